@@ -35,7 +35,7 @@ static double grid_projection(const struct brdf *b, vec3 wo, rsh_basis basis, do
     return norm;
 }
 
-static void agrees_with_a_grid(void **state) {
+static void projection_agrees_with_a_grid(void **state) {
     (void)state;
     const rgb one = {1, 1, 1}, k = {3, 3, 3};
     const struct brdf lobe[] = {
@@ -72,7 +72,7 @@ static void agrees_with_a_grid(void **state) {
 }
 
 // The half rule gives the same cosine terms as the full one.
-static void half_rule_is_exact(void **state) {
+static void the_half_rule_gives_the_cosine_terms(void **state) {
     (void)state;
     const struct brdf b = {.model = brdf_find("phong"), .specular = {1, .5f, .25f}, .exponent = 10};
     struct project_rule rule;
@@ -95,8 +95,8 @@ static void half_rule_is_exact(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(agrees_with_a_grid),
-        cmocka_unit_test(half_rule_is_exact),
+        cmocka_unit_test(projection_agrees_with_a_grid),
+        cmocka_unit_test(the_half_rule_gives_the_cosine_terms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-static void integrates_powers(void **state) {
+static void quadrature_integrates_powers_exactly(void **state) {
     (void)state;
     for (int n = 1; n <= QUADRATURE_MAX; n++) {
         struct quadrature rule;
@@ -26,6 +26,6 @@ static void integrates_powers(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(integrates_powers)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(quadrature_integrates_powers_exactly)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -42,7 +42,7 @@ static double brdf_range_difference(const struct brdf_range *range, const struct
     return error / norm;
 }
 
-static void interpolates_between_rungs(void **state) {
+static void lookups_interpolate_between_rungs(void **state) {
     (void)state;
     struct parallel *pool = parallel_new(2);
     struct brdf base = brdf_range_metal(.4f);
@@ -91,7 +91,7 @@ static void one_table_serves_constants(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interpolates_between_rungs),
+        cmocka_unit_test(lookups_interpolate_between_rungs),
         cmocka_unit_test(one_table_serves_constants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

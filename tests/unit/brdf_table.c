@@ -185,7 +185,7 @@ static void constant_light_gives_the_albedo(void **state) {
     brdf_table_free(table);
 }
 
-static void keeps_channels_apart(void **state) {
+static void channels_stay_apart(void **state) {
     (void)state;
     struct brdf b = brdf_table_metal(0.4f, (rgb){.2f, .5f, 1.4f});
     b.specular = (rgb){0, 1, 0};  // taken as 1
@@ -198,7 +198,7 @@ static void keeps_channels_apart(void **state) {
     brdf_table_free(table);
 }
 
-static void refuses_sharp_lobes_and_bad_arguments(void **state) {
+static void sharp_lobes_and_bad_arguments_are_refused(void **state) {
     (void)state;
     for (float alpha = 0.0001f; alpha < 0.06f; alpha *= 5.0f) {
         struct brdf b = brdf_table_metal(alpha, (rgb){1, 1, 1});
@@ -232,7 +232,7 @@ static bool brdf_table_cancel(void *user, double done) {
     return true;
 }
 
-static void same_for_any_threads_and_cancels(void **state) {
+static void threads_make_no_difference_and_building_can_be_cancelled(void **state) {
     (void)state;
     struct brdf b = phong(8);
     struct brdf_table *one = test_brdf_table_build(&b, SATIN_HSH, 8, 0.05f, 1);
@@ -261,9 +261,9 @@ int main(void) {
         cmocka_unit_test(sharp_edges_at_grazing_views_are_not_held),
         cmocka_unit_test(lookups_agree_with_projection),
         cmocka_unit_test(constant_light_gives_the_albedo),
-        cmocka_unit_test(keeps_channels_apart),
-        cmocka_unit_test(refuses_sharp_lobes_and_bad_arguments),
-        cmocka_unit_test(same_for_any_threads_and_cancels),
+        cmocka_unit_test(channels_stay_apart),
+        cmocka_unit_test(sharp_lobes_and_bad_arguments_are_refused),
+        cmocka_unit_test(threads_make_no_difference_and_building_can_be_cancelled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,7 +117,7 @@ static const char *cache_file_refusal(const void *data, size_t size) {
     return seen.text;
 }
 
-static void loads_what_was_saved(void **state) {
+static void loading_returns_what_was_saved(void **state) {
     (void)state;
     struct cache_file_fixture a, b;
     size_t size, again_size;
@@ -194,7 +194,7 @@ static const char *refusal_of_header(const unsigned char *data, size_t size,
     return text;
 }
 
-static void lies_are_refused(void **state) {
+static void wrong_sizes_and_counts_are_refused(void **state) {
     (void)state;
     struct cache_file_fixture f;
     size_t size;
@@ -239,7 +239,7 @@ static void refuse_value(struct cache_file_fixture *f, float *word, float wrong)
     free(data);
 }
 
-static void values_without_a_number_are_refused(void **state) {
+static void values_that_are_not_finite_are_refused(void **state) {
     (void)state;
     struct cache_file_fixture f;
     cache_file_make(&f);
@@ -294,10 +294,10 @@ static void records_of_other_provenance_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(loads_what_was_saved),
+        cmocka_unit_test(loading_returns_what_was_saved),
         cmocka_unit_test(damaged_files_are_refused),
-        cmocka_unit_test(lies_are_refused),
-        cmocka_unit_test(values_without_a_number_are_refused),
+        cmocka_unit_test(wrong_sizes_and_counts_are_refused),
+        cmocka_unit_test(values_that_are_not_finite_are_refused),
         cmocka_unit_test(records_of_other_provenance_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

@@ -46,7 +46,7 @@ static struct cache_lookup cache_read_lookup(float x) {
 
 static bool cache_read_near(float x, float wanted) { return fabsf(x - wanted) < 1e-5f; }
 
-static void records_behind_a_value(void **state) {
+static void the_records_of_a_value_are_reported(void **state) {
     (void)state;
     struct cache_read_fixture f;
     cache_read_start(&f);
@@ -68,7 +68,7 @@ static void records_behind_a_value(void **state) {
 }
 
 // Two records on the parabola E = 1 + x + x^2, with its slopes.
-static void parabolas_are_kept(void **state) {
+static void errors_of_second_order_cancel(void **state) {
     (void)state;
     struct cache_read_fixture f;
     cache_read_start(&f);
@@ -90,7 +90,7 @@ static void parabolas_are_kept(void **state) {
     cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
-static void none_is_near(void **state) {
+static void no_record_is_found_far_away(void **state) {
     (void)state;
     struct cache_read_fixture f;
     cache_read_start(&f);
@@ -105,7 +105,7 @@ static void none_is_near(void **state) {
     cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
-static void where_records_stand(void **state) {
+static void positions_of_records_are_found(void **state) {
     (void)state;
     struct cache_read_fixture f;
     cache_read_start(&f);
@@ -118,10 +118,10 @@ static void where_records_stand(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(records_behind_a_value),
-        cmocka_unit_test(parabolas_are_kept),
-        cmocka_unit_test(none_is_near),
-        cmocka_unit_test(where_records_stand),
+        cmocka_unit_test(the_records_of_a_value_are_reported),
+        cmocka_unit_test(errors_of_second_order_cancel),
+        cmocka_unit_test(no_record_is_found_far_away),
+        cmocka_unit_test(positions_of_records_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,7 +28,7 @@ static int setup(void **state) {
            symlink("sub", "other") || symlink("sub/none", "dangling");
 }
 
-static void knows_what_was_read(void **state) {
+static void files_that_were_read_are_known(void **state) {
     (void)state;
     struct fileio_files files = {0};
     assert_false(fileio_files_have(&files, "a"));
@@ -46,7 +46,7 @@ static void knows_what_was_read(void **state) {
     assert_int_equal(files.count, 0);
 }
 
-static void compares_names(void **state) {
+static void names_of_one_file_are_equal(void **state) {
     (void)state;
     static const struct {
         const char *a, *b;
@@ -77,8 +77,8 @@ static void compares_names(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(knows_what_was_read),
-        cmocka_unit_test(compares_names),
+        cmocka_unit_test(files_that_were_read_are_known),
+        cmocka_unit_test(names_of_one_file_are_equal),
     };
     return cmocka_run_group_tests(tests, setup, folder_case_teardown);
 }

@@ -59,7 +59,7 @@ static void expect_refused(const char *path, enum fileio_need need, const char *
     expect_tidy();
 }
 
-static void appears_whole_or_not_at_all(void **state) {
+static void a_file_appears_whole_or_not_at_all(void **state) {
     (void)state;
     struct fileio_output out;
     assert_int_equal(fileio_output_open(silent, "a", FILEIO_SEEK, &out), SATIN_OK);
@@ -85,7 +85,7 @@ static void appears_whole_or_not_at_all(void **state) {
     expect_tidy();
 }
 
-static void new_name_is_unused(void **state) {
+static void the_temporary_name_is_unused(void **state) {
     (void)state;
     struct fileio_output one, two;
     assert_int_equal(fileio_output_open(silent, "twice", FILEIO_APPEND, &one), SATIN_OK);
@@ -104,7 +104,7 @@ static void new_name_is_unused(void **state) {
     expect_tidy();
 }
 
-static void keeps_permissions(void **state) {
+static void permissions_are_kept(void **state) {
     (void)state;
     struct stat st;
     assert_int_equal(fileio_output_put("mode", "1"), SATIN_OK);
@@ -141,7 +141,7 @@ static void links_are_followed(void **state) {
     expect_refused("astray", FILEIO_APPEND, strerror(ENOENT));
 }
 
-static void refuses_what_is_no_file(void **state) {
+static void what_is_no_file_is_refused(void **state) {
     (void)state;
     assert_int_equal(mkdir("folder", 0777), 0);
     expect_refused("folder", FILEIO_APPEND, "it is a directory");
@@ -160,7 +160,7 @@ static void refuses_what_is_no_file(void **state) {
     close(server);
 }
 
-static void devices_and_pipes_stay(void **state) {
+static void devices_and_pipes_are_not_replaced(void **state) {
     (void)state;
     struct stat st;
     char got[8] = "";
@@ -180,7 +180,7 @@ static void devices_and_pipes_stay(void **state) {
     assert_true(lstat("pipe", &st) == 0 && S_ISFIFO(st.st_mode));
 }
 
-static void open_files_are_written_on(void **state) {
+static void open_files_are_written_to(void **state) {
     (void)state;
     char name[32];
     const int fd = open("open", O_RDWR | O_CREAT, 0666);
@@ -206,7 +206,7 @@ static void open_files_are_written_on(void **state) {
 }
 
 // A directory that has replaced the file meanwhile is not replaced.
-static void looks_again_before_the_rename(void **state) {
+static void the_target_is_checked_again_before_the_rename(void **state) {
     (void)state;
     struct fileio_output out;
     struct message message = {0};
@@ -220,14 +220,14 @@ static void looks_again_before_the_rename(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(appears_whole_or_not_at_all),
-        cmocka_unit_test(new_name_is_unused),
-        cmocka_unit_test(keeps_permissions),
+        cmocka_unit_test(a_file_appears_whole_or_not_at_all),
+        cmocka_unit_test(the_temporary_name_is_unused),
+        cmocka_unit_test(permissions_are_kept),
         cmocka_unit_test(links_are_followed),
-        cmocka_unit_test(refuses_what_is_no_file),
-        cmocka_unit_test(devices_and_pipes_stay),
-        cmocka_unit_test(open_files_are_written_on),
-        cmocka_unit_test(looks_again_before_the_rename),
+        cmocka_unit_test(what_is_no_file_is_refused),
+        cmocka_unit_test(devices_and_pipes_are_not_replaced),
+        cmocka_unit_test(open_files_are_written_to),
+        cmocka_unit_test(the_target_is_checked_again_before_the_rename),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

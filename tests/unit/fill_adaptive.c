@@ -83,7 +83,7 @@ static void direct_light_hides_differences(void **state) {
     fill_case_free(&f);
 }
 
-static void fill_adaptive_threads_make_no_difference(void **state) {
+static void threads_do_not_change_adapted_records(void **state) {
     (void)state;
     struct fill_case a, b;
     fill_adaptive_start(&a, 1);
@@ -102,7 +102,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_are_added_where_they_disagree),
         cmocka_unit_test(direct_light_hides_differences),
-        cmocka_unit_test(fill_adaptive_threads_make_no_difference),
+        cmocka_unit_test(threads_do_not_change_adapted_records),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

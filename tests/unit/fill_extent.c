@@ -80,7 +80,7 @@ static void scene_units_win_over_pixels(void **state) {
 
 // A record whose radius is larger than its rays measured has a radius ratio below 1; one whose
 // radius is limited has the ratio 1.
-static void the_radius_ratio_is_what_was_wanted(void **state) {
+static void the_radius_ratio_compares_with_the_wanted_radius(void **state) {
     (void)state;
     struct fill_extent_fixture f;
     fill_extent_start(&f);
@@ -101,7 +101,7 @@ int main(void) {
         cmocka_unit_test(pixels_bound_what_rays_found),
         cmocka_unit_test(largest_pixels_win_over_least),
         cmocka_unit_test(scene_units_win_over_pixels),
-        cmocka_unit_test(the_radius_ratio_is_what_was_wanted),
+        cmocka_unit_test(the_radius_ratio_compares_with_the_wanted_radius),
     };
     return cmocka_run_group_tests_name("fill_extent", tests, NULL, NULL);
 }

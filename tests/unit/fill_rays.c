@@ -50,7 +50,7 @@ static bool near_to(uint32_t rays, double wanted) {
     return (double)rays > 0.9 * wanted && (double)rays < 1.1 * wanted;
 }
 
-static void the_ends_are_four_times_off(void **state) {
+static void numbers_of_rays_differ_by_at_most_four(void **state) {
     (void)state;
     static const float noise[] = {0.0f, 1e-4f, 1.0f};
     static const double times[] = {1.0, 4.0, 0.25};
@@ -74,7 +74,7 @@ static void the_ends_are_four_times_off(void **state) {
 }
 
 // Half of the deviation that records of the options' number of rays have needs four times the rays.
-static void rays_give_the_deviation(void **state) {
+static void rays_reach_the_deviation_of_the_options(void **state) {
     (void)state;
     double mean[2] = {0};
     for (int asked = 0; asked < 2; asked++) {
@@ -95,7 +95,7 @@ static void rays_give_the_deviation(void **state) {
     assert_true(mean[1] > 0.5 * mean[0] && mean[1] < 0.9 * mean[0]);
 }
 
-static void fill_rays_threads_do_not_matter(void **state) {
+static void threads_do_not_change_numbers_of_rays(void **state) {
     (void)state;
     struct fill_case one, four;
     fill_rays_start(&one, 1, 0.02f);
@@ -115,9 +115,9 @@ static void fill_rays_threads_do_not_matter(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_ends_are_four_times_off),
-        cmocka_unit_test(rays_give_the_deviation),
-        cmocka_unit_test(fill_rays_threads_do_not_matter),
+        cmocka_unit_test(numbers_of_rays_differ_by_at_most_four),
+        cmocka_unit_test(rays_reach_the_deviation_of_the_options),
+        cmocka_unit_test(threads_do_not_change_numbers_of_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -83,7 +83,7 @@ static rgb by_rays(const struct fill_residual_fixture *f) {
     return L;
 }
 
-static void a_record_says_what_its_rays_say(void **state) {
+static void a_record_reflects_what_its_rays_reflect(void **state) {
     (void)state;
     struct fill_residual_fixture with, without;
     fill_residual_start(&with, true);
@@ -100,7 +100,7 @@ static void a_record_says_what_its_rays_say(void **state) {
     fill_residual_stop(&without);
 }
 
-static void other_lobes_get_less(void **state) {
+static void the_residual_of_other_lobes_is_smaller(void **state) {
     (void)state;
     const struct cache_residual residual = {NAME, {0, 0, 1}, {1.0f, -2.0f, 3.0f}};
     struct cache_lobe lobe = {.name = NAME, .mirror = {0, 0, 1}};
@@ -124,8 +124,8 @@ static void other_lobes_get_less(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_record_says_what_its_rays_say),
-        cmocka_unit_test(other_lobes_get_less),
+        cmocka_unit_test(a_record_reflects_what_its_rays_reflect),
+        cmocka_unit_test(the_residual_of_other_lobes_is_smaller),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

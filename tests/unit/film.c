@@ -11,7 +11,7 @@
 
 #include "satin/render.h"
 
-static void channels_by_name(void **state) {
+static void channels_are_found_by_name(void **state) {
     (void)state;
     const char *const names[] = {"R", "direct.R"};
     struct satin_film *film = film_new(3, 2, names, 2);
@@ -32,7 +32,7 @@ static void channels_by_name(void **state) {
     satin_film_free(NULL);
 }
 
-static void attributes_replace(void **state) {
+static void attributes_replace_earlier_ones(void **state) {
     (void)state;
     struct satin_film *film = film_new(1, 1, NULL, 0);
     assert_true(film_attribute_set(film, "a", "1"));
@@ -56,8 +56,8 @@ static void sizes_are_bounded(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(channels_by_name),
-        cmocka_unit_test(attributes_replace),
+        cmocka_unit_test(channels_are_found_by_name),
+        cmocka_unit_test(attributes_replace_earlier_ones),
         cmocka_unit_test(sizes_are_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,7 +25,7 @@ static struct satin_film *grey(int width, int height, float value, int channels)
 
 static bool film_compare_near(double a, double b) { return fabs(a - b) <= 1e-6 * fabs(b) + 1e-12; }
 
-static void figures_by_hand(void **state) {
+static void figures_agree_with_those_by_hand(void **state) {
     (void)state;
     struct satin_film *x = grey(2, 1, 0.5f, 3), *r = grey(2, 1, 0.5f, 3);
     struct film_difference d;
@@ -45,7 +45,7 @@ static void figures_by_hand(void **state) {
 }
 
 // 1.9 % is not visible, 2.1 % is; on black any difference is visible.
-static void weber(void **state) {
+static void discernible_pixels_follow_webers_law(void **state) {
     (void)state;
     struct satin_film *x = grey(4, 1, 1.0f, 3), *r = grey(4, 1, 1.0f, 3);
     for (int c = 0; c < 3; c++) {
@@ -84,7 +84,7 @@ static void reference_noise_is_subtracted(void **state) {
     satin_film_free(r);
 }
 
-static void masks_and_nonfinite(void **state) {
+static void masked_and_nonfinite_pixels_are_left_out(void **state) {
     (void)state;
     struct satin_film *x = grey(4, 1, 1.0f, 9), *r = grey(4, 1, 1.0f, 3);
     x->channel[0][0] = NAN;
@@ -110,10 +110,10 @@ static void masks_and_nonfinite(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(figures_by_hand),
-        cmocka_unit_test(weber),
+        cmocka_unit_test(figures_agree_with_those_by_hand),
+        cmocka_unit_test(discernible_pixels_follow_webers_law),
         cmocka_unit_test(reference_noise_is_subtracted),
-        cmocka_unit_test(masks_and_nonfinite),
+        cmocka_unit_test(masked_and_nonfinite_pixels_are_left_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,7 +53,7 @@ static double film_denoise_mean(const rgb *image, int pixels) {
     return sum / pixels;
 }
 
-static void it_is_opened_and_tried(void **state) {
+static void the_library_is_opened_and_tried(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("");
     assert_string_equal(film_denoiser_name(d), "Open Image Denoise 2.1.3");
@@ -63,7 +63,7 @@ static void it_is_opened_and_tried(void **state) {
 }
 
 // The fake refuses values over 2^26.
-static void any_brightness_of_light_is_taken(void **state) {
+static void light_of_any_brightness_is_denoised(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("");
     const float brightness[] = {1e-35f, 1e-12f, 1.0f, 1e12f, 1e35f};
@@ -77,7 +77,7 @@ static void any_brightness_of_light_is_taken(void **state) {
     film_denoiser_free(d);
 }
 
-static void what_it_cannot_hold_stays(void **state) {
+static void values_beyond_the_range_stay(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("");
     const struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 1.0f);
@@ -103,7 +103,7 @@ static void black_stays_black(void **state) {
     film_denoiser_free(d);
 }
 
-static void one_pixel_is_an_image(void **state) {
+static void an_image_may_have_one_pixel(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("");
     const struct film_noisy image = film_denoise_noisy(1, 1, 1.0f);
@@ -155,7 +155,7 @@ static bool stop_later(void *user, double done) {
     return done < 0.5;
 }
 
-static void it_can_be_cancelled(void **state) {
+static void denoising_can_be_cancelled(void **state) {
     (void)state;
     struct message message = {0};
     struct film_denoiser *d = open_fake("slow");
@@ -179,7 +179,7 @@ static void film_denoise_refuse(const char *library, const char *mode, const cha
     assert_non_null(strstr(message.text, text));
 }
 
-static void a_library_that_does_not_serve_is_refused(void **state) {
+static void an_unusable_library_is_refused(void **state) {
     (void)state;
     film_denoise_refuse("/nonexistent/libOpenImageDenoise.so.2", "",
                         "cannot open Open Image Denoise, which SATIN_OIDN names: /nonexistent/");
@@ -201,7 +201,7 @@ static double error_of(const rgb *image) {
 // With the real library, uniform noise of a standard deviation of .577 fell to .041 to .059 with
 // eight sets of random numbers; the bound is twice the worst. The result does not depend on
 // threads.
-static void the_real_one_denoises(void **state) {
+static void the_real_library_denoises(void **state) {
     (void)state;
     static rgb first[PIXELS];
     const char *real = getenv("SATIN_OIDN_REAL");
@@ -225,16 +225,16 @@ static void the_real_one_denoises(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_is_opened_and_tried),
-        cmocka_unit_test(any_brightness_of_light_is_taken),
-        cmocka_unit_test(what_it_cannot_hold_stays),
+        cmocka_unit_test(the_library_is_opened_and_tried),
+        cmocka_unit_test(light_of_any_brightness_is_denoised),
+        cmocka_unit_test(values_beyond_the_range_stay),
         cmocka_unit_test(black_stays_black),
-        cmocka_unit_test(one_pixel_is_an_image),
+        cmocka_unit_test(an_image_may_have_one_pixel),
         cmocka_unit_test(auxiliary_images_are_passed_on),
         cmocka_unit_test(failures_are_reported_once),
-        cmocka_unit_test(it_can_be_cancelled),
-        cmocka_unit_test(a_library_that_does_not_serve_is_refused),
-        cmocka_unit_test(the_real_one_denoises),
+        cmocka_unit_test(denoising_can_be_cancelled),
+        cmocka_unit_test(an_unusable_library_is_refused),
+        cmocka_unit_test(the_real_library_denoises),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,7 +121,7 @@ static void make_file(const struct sample_file *f, const char *path) {
 }
 
 // B44 is lossy; the others hold the values exactly (PXR24 drops bits that they do not have).
-static void every_kind(void **state) {
+static void every_kind_of_file_is_read(void **state) {
     (void)state;
     static const exr_compression_t methods[] = {
         EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE,   EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
@@ -160,7 +160,7 @@ static char *file_bytes(const struct sample_file *f, size_t *size) {
 }
 
 // A file that is cut at any byte is refused in one line.
-static void film_exr_read_cut_short(void **state) {
+static void files_that_end_early_are_refused(void **state) {
     (void)state;
     for (int tiled = 0; tiled < 2; tiled++) {
         size_t size;
@@ -184,7 +184,7 @@ static void film_exr_read_cut_short(void **state) {
 }
 
 // A file with a flipped byte is read or refused, without a crash.
-static void flipped_bytes(void **state) {
+static void flipped_bytes_are_harmless(void **state) {
     (void)state;
     size_t size;
     char *data =
@@ -202,7 +202,7 @@ static void flipped_bytes(void **state) {
     free(data);
 }
 
-static void promises_too_much(void **state) {
+static void sizes_beyond_the_file_are_refused(void **state) {
     (void)state;
     size_t size;
     char *data =
@@ -226,7 +226,7 @@ static void promises_too_much(void **state) {
     free(data);
 }
 
-static void not_a_file(void **state) {
+static void a_missing_file_is_refused(void **state) {
     (void)state;
     struct message message = {0};
     struct satin_film *film = NULL;
@@ -240,9 +240,11 @@ static void not_a_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_kind),    cmocka_unit_test(film_exr_read_cut_short),
-        cmocka_unit_test(flipped_bytes), cmocka_unit_test(promises_too_much),
-        cmocka_unit_test(not_a_file),
+        cmocka_unit_test(every_kind_of_file_is_read),
+        cmocka_unit_test(files_that_end_early_are_refused),
+        cmocka_unit_test(flipped_bytes_are_harmless),
+        cmocka_unit_test(sizes_beyond_the_file_are_refused),
+        cmocka_unit_test(a_missing_file_is_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -45,7 +45,7 @@ static char *slurp(const char *path, size_t *size) {
     return data;
 }
 
-static void round_trip(void **state) {
+static void writing_and_reading_return_the_same(void **state) {
     (void)state;
     struct satin_film *film = film_exr_write_noisy(37, 1100), *back = NULL;
     assert_int_equal(satin_film_write_exr(film, "round_trip.exr", NULL, NULL), SATIN_OK);
@@ -63,7 +63,7 @@ static void round_trip(void **state) {
     unlink("round_trip.exr");
 }
 
-static void same_bytes_for_any_threads(void **state) {
+static void threads_do_not_change_the_bytes_of_a_file(void **state) {
     (void)state;
     struct satin_film *film = film_exr_write_noisy(64, 1100);
     size_t size[3];
@@ -81,7 +81,7 @@ static void same_bytes_for_any_threads(void **state) {
     unlink("threads.exr");
 }
 
-static void not_finite_becomes_zero(void **state) {
+static void values_that_are_not_finite_become_zero(void **state) {
     (void)state;
     struct satin_film *film = film_exr_write_noisy(8, 20), *back = NULL;
     film->channel[0][0] = NAN;
@@ -102,7 +102,7 @@ static void not_finite_becomes_zero(void **state) {
     unlink("finite.exr");
 }
 
-static void failure_leaves_nothing(void **state) {
+static void a_failure_leaves_no_file(void **state) {
     (void)state;
     struct satin_film *film = film_exr_write_noisy(8, 8), *twice = NULL;
     struct message message = {0};
@@ -128,10 +128,10 @@ static void failure_leaves_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),
-        cmocka_unit_test(same_bytes_for_any_threads),
-        cmocka_unit_test(not_finite_becomes_zero),
-        cmocka_unit_test(failure_leaves_nothing),
+        cmocka_unit_test(writing_and_reading_return_the_same),
+        cmocka_unit_test(threads_do_not_change_the_bytes_of_a_file),
+        cmocka_unit_test(values_that_are_not_finite_become_zero),
+        cmocka_unit_test(a_failure_leaves_no_file),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

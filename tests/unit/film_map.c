@@ -37,7 +37,7 @@ static double lightness(const unsigned char *p) {
     return y > 0.008856 ? 116.0 * cbrt(y) - 16.0 : 903.3 * y;
 }
 
-static void colours_grow_lighter(void **state) {
+static void colours_become_lighter_with_the_value(void **state) {
     (void)state;
     const char *const names[] = {"x"};
     struct satin_film *film = film_new(WIDTH, 1, names, 1);
@@ -62,7 +62,7 @@ static void colours_grow_lighter(void **state) {
     satin_film_free(film);
 }
 
-static void nothing_is_black(void **state) {
+static void a_map_of_nothing_is_black(void **state) {
     (void)state;
     const char *const names[] = {"x"};
     struct satin_film *film = film_new(WIDTH, 1, names, 1);
@@ -76,7 +76,7 @@ static void nothing_is_black(void **state) {
     satin_film_free(film);
 }
 
-static void dots_over_grey(void **state) {
+static void records_are_dots_over_a_grey_image(void **state) {
     (void)state;
     const char *const names[] = {"R", "G", "B", "x"};
     struct satin_film *film = film_new(WIDTH, 1, names, 4);
@@ -91,7 +91,7 @@ static void dots_over_grey(void **state) {
     satin_film_free(film);
 }
 
-static void film_map_no_beauty_no_file(void **state) {
+static void a_map_needs_the_beauty(void **state) {
     (void)state;
     const char *const names[] = {"x"};
     struct satin_film *film = film_new(4, 1, names, 1);
@@ -103,10 +103,10 @@ static void film_map_no_beauty_no_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(colours_grow_lighter),
-        cmocka_unit_test(nothing_is_black),
-        cmocka_unit_test(dots_over_grey),
-        cmocka_unit_test(film_map_no_beauty_no_file),
+        cmocka_unit_test(colours_become_lighter_with_the_value),
+        cmocka_unit_test(a_map_of_nothing_is_black),
+        cmocka_unit_test(records_are_dots_over_a_grey_image),
+        cmocka_unit_test(a_map_needs_the_beauty),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

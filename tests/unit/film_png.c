@@ -14,7 +14,7 @@
 #include "film/film.h"
 #include "folder_case.h"
 
-static void known_bytes(void **state) {
+static void pixels_have_the_known_bytes(void **state) {
     (void)state;
     const char *const names[] = {"R", "G", "B"};
     struct satin_film *film = film_new(8, 1, names, 3);
@@ -36,7 +36,7 @@ static void known_bytes(void **state) {
     unlink("known.png");
 }
 
-static void film_png_no_beauty_no_file(void **state) {
+static void a_png_needs_the_beauty(void **state) {
     (void)state;
     const char *const names[] = {"R", "G"};
     struct satin_film *film = film_new(8, 1, names, 2);
@@ -47,8 +47,8 @@ static void film_png_no_beauty_no_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_bytes),
-        cmocka_unit_test(film_png_no_beauty_no_file),
+        cmocka_unit_test(pixels_have_the_known_bytes),
+        cmocka_unit_test(a_png_needs_the_beauty),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -130,7 +130,7 @@ static void weights_are_unbiased(void **state) {
 
 // Near are hits within a radius, and within a few unless that is beyond the largest reliable
 // radius.
-static void near_is_a_few_radii(void **state) {
+static void hits_within_a_few_radii_are_near(void **state) {
     (void)state;
     const struct gather g = {.lookup_max = 3.0f};
     assert_true(gather_is_near(&g, 0.99f, 0.5f, 2.0f) && !gather_is_near(&g, 1.01f, 0.5f, 2.0f));
@@ -141,7 +141,7 @@ static void near_is_a_few_radii(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near_is_a_few_radii),
+        cmocka_unit_test(hits_within_a_few_radii_are_near),
         cmocka_unit_test(positions_hidden_from_the_site_are_sampled),
         cmocka_unit_test(weights_are_unbiased),
     };

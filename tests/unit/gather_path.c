@@ -51,7 +51,7 @@ static struct gather_path_mean by_brdf(const struct brdf *b, vec3 wo) {
     return gather_path_mean_of(sum, squares);
 }
 
-static void planes_are_as_bright_as_their_albedo(void **state) {
+static void planes_in_a_furnace_have_the_brightness_of_their_albedo(void **state) {
     (void)state;
     static const char *const model[] = {"diffuse", "plastic",        "roughplastic",   "phong",
                                         "ward",    "roughconductor", "thindielectric", "conductor"};
@@ -80,7 +80,7 @@ static void planes_are_as_bright_as_their_albedo(void **state) {
 
 // A diffuse plane beside a pane that shows the sky: the surface that the ray hits, and the part of
 // the light that is emission, with and without longer paths.
-static void reports_what_the_eye_sees(void **state) {
+static void the_first_surface_and_its_emission_are_reported(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -115,7 +115,8 @@ static void reports_what_the_eye_sees(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(planes_are_as_bright_as_their_albedo),
-                                       cmocka_unit_test(reports_what_the_eye_sees)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(planes_in_a_furnace_have_the_brightness_of_their_albedo),
+        cmocka_unit_test(the_first_surface_and_its_emission_are_reported)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

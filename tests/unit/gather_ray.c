@@ -42,7 +42,7 @@ static struct guide_visibility *cells_at(float height) {
     return visibility;
 }
 
-static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
+static void light_is_weighted_at_the_start_of_a_ray(void **state) {
     (void)state;
     struct test_scene t;
     gather_ray_scene_of(&t);
@@ -73,7 +73,7 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
 
 // A surface without a diffuse lobe has no irradiance estimate: none is left in the scratch from an
 // earlier ray.
-static void no_estimate_is_left_over(void **state) {
+static void no_estimate_remains_from_an_earlier_call(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -142,8 +142,8 @@ static void narrow_lobes_do_not_show_single_lookups(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(light_is_weighed_at_the_point_that_rays_leave),
-        cmocka_unit_test(no_estimate_is_left_over),
+        cmocka_unit_test(light_is_weighted_at_the_start_of_a_ray),
+        cmocka_unit_test(no_estimate_remains_from_an_earlier_call),
         cmocka_unit_test(narrow_lobes_do_not_show_single_lookups),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -67,7 +67,7 @@ static void few_lights_are_all_sampled(void **state) {
     }
 }
 
-static void samples_choose_where_they_suffice(void **state) {
+static void as_many_samples_as_lights_choose_among_them(void **state) {
     (void)state;
     enum { RUNS = 20000 };
     struct test_scene t;
@@ -82,7 +82,7 @@ static void samples_choose_where_they_suffice(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(few_lights_are_all_sampled),
-        cmocka_unit_test(samples_choose_where_they_suffice),
+        cmocka_unit_test(as_many_samples_as_lights_choose_among_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

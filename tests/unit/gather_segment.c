@@ -33,7 +33,7 @@ static bool test_gather_segment_trace(const struct test_scene *t, vec3 p, vec3 d
     return gather_segment_trace(&g, &start, &sampler, out, end);
 }
 
-static void ends_behind_a_mirror(void **state) {
+static void a_segment_ends_behind_a_mirror(void **state) {
     (void)state;
     struct test_scene t;
     gather_segment_scene_of(&t);
@@ -69,7 +69,7 @@ static void emitted_light_is_direct_or_specular(void **state) {
     test_scene_free(&t);
 }
 
-static void may_meet_nothing(void **state) {
+static void a_segment_may_leave_the_scene(void **state) {
     (void)state;
     struct test_scene t;
     gather_segment_scene_of(&t);
@@ -85,9 +85,9 @@ static void may_meet_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ends_behind_a_mirror),
+        cmocka_unit_test(a_segment_ends_behind_a_mirror),
         cmocka_unit_test(emitted_light_is_direct_or_specular),
-        cmocka_unit_test(may_meet_nothing),
+        cmocka_unit_test(a_segment_may_leave_the_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

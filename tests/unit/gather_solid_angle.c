@@ -123,17 +123,17 @@ static void test_gather_solid_angle_radiance(satin_basis basis) {
     gather_solid_angle_finish(&f);
 }
 
-static void radiance_on_the_hemisphere(void **state) {
+static void radiance_in_hemispherical_harmonics_has_its_gradients(void **state) {
     (void)state;
     test_gather_solid_angle_radiance(SATIN_HSH);
 }
 
-static void radiance_on_the_sphere(void **state) {
+static void radiance_in_spherical_harmonics_has_its_gradients(void **state) {
     (void)state;
     test_gather_solid_angle_radiance(SATIN_SH);
 }
 
-static void test_gather_solid_angle_irradiance(void **state) {
+static void irradiance_of_a_patch_has_its_gradients(void **state) {
     (void)state;
     struct gather_solid_angle_fixture f;
     gather_solid_angle_start(&f, SATIN_HSH, 0);
@@ -162,9 +162,9 @@ static void test_gather_solid_angle_irradiance(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(radiance_on_the_hemisphere),
-        cmocka_unit_test(radiance_on_the_sphere),
-        cmocka_unit_test(test_gather_solid_angle_irradiance),
+        cmocka_unit_test(radiance_in_hemispherical_harmonics_has_its_gradients),
+        cmocka_unit_test(radiance_in_spherical_harmonics_has_its_gradients),
+        cmocka_unit_test(irradiance_of_a_patch_has_its_gradients),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -40,7 +40,7 @@ static void gather_stratified_look(struct gather_hemisphere *h, const struct gat
         }
 }
 
-static void irradiance_in_a_sphere(void **state) {
+static void irradiance_in_a_sphere_has_its_gradients(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, 0);
     struct gather_hemisphere *h = gather_hemisphere_new(gather_layout_rays(l));
@@ -60,7 +60,7 @@ static void irradiance_in_a_sphere(void **state) {
 }
 
 // E = Lambda . cosine, and so its gradient; HSH of order 2 hold the cosine.
-static void radiance_in_a_sphere(void **state) {
+static void radiance_in_a_sphere_has_its_gradients(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, ORDER);
     struct gather_hemisphere *h = gather_hemisphere_new(gather_layout_rays(l));
@@ -84,8 +84,8 @@ static void radiance_in_a_sphere(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(irradiance_in_a_sphere),
-        cmocka_unit_test(radiance_in_a_sphere),
+        cmocka_unit_test(irradiance_in_a_sphere_has_its_gradients),
+        cmocka_unit_test(radiance_in_a_sphere_has_its_gradients),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

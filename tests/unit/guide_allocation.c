@@ -59,7 +59,7 @@ static void skies_over_open_floors_get_most(void **state) {
 }
 
 // The view and the allocation are the same to the bit for any number of threads.
-static void guide_allocation_threads_do_not_matter(void **state) {
+static void threads_do_not_change_the_allocation(void **state) {
     (void)state;
     struct test_scene t;
     guide_allocation_room(&t, true);
@@ -84,7 +84,7 @@ static void guide_allocation_threads_do_not_matter(void **state) {
 }
 
 // With another allocation the same amount of light arrives.
-static void guide_allocation_power_is_kept(void **state) {
+static void allocation_keeps_the_power(void **state) {
     (void)state;
     struct test_scene t;
     guide_allocation_room(&t, true);
@@ -113,8 +113,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lamps_in_closed_rooms_get_half),
         cmocka_unit_test(skies_over_open_floors_get_most),
-        cmocka_unit_test(guide_allocation_threads_do_not_matter),
-        cmocka_unit_test(guide_allocation_power_is_kept),
+        cmocka_unit_test(threads_do_not_change_the_allocation),
+        cmocka_unit_test(allocation_keeps_the_power),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -127,7 +127,7 @@ static void what_is_hidden_is_not_visible(void **state) {
     test_scene_free(&t);
 }
 
-static void even_light_has_none(void **state) {
+static void uniform_light_has_no_clusters(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, false);
@@ -163,7 +163,7 @@ static void photons_without_area_are_harmless(void **state) {
 }
 
 // A well-formed tree, in which every photon is once, and the same on any number of threads.
-static void same_tree_on_any_threads(void **state) {
+static void threads_do_not_change_the_clusters(void **state) {
     (void)state;
     static struct guide_photon photon[PHOTONS];
     static const int THREADS[] = {1, 2, 3, 8};
@@ -214,9 +214,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_spot_is_visible),
         cmocka_unit_test(what_is_hidden_is_not_visible),
-        cmocka_unit_test(even_light_has_none),
+        cmocka_unit_test(uniform_light_has_no_clusters),
         cmocka_unit_test(photons_without_area_are_harmless),
-        cmocka_unit_test(same_tree_on_any_threads),
+        cmocka_unit_test(threads_do_not_change_the_clusters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -25,7 +25,7 @@ static struct guide_rays cones(int count, float E) {
     return rays;
 }
 
-static void faint_cones_get_none(void **state) {
+static void faint_cones_get_no_rays(void **state) {
     (void)state;
     struct guide_rays rays = cones(3, 1.0f);
     rays.cone[1].E = 1e-6f;
@@ -43,7 +43,7 @@ static void faint_cones_get_none(void **state) {
     assert_int_equal(none.count, 0);
 }
 
-static void rays_are_at_most_half_as_many(void **state) {
+static void at_most_half_of_the_stratified_rays_are_added(void **state) {
     (void)state;
     for (size_t stratified = 8; stratified <= 4096; stratified *= 2) {
         struct guide_rays rays = cones(GUIDE_CONES, 1.0f);
@@ -87,7 +87,7 @@ static void densities_of_all_cones_add_up(void **state) {
 
 // Whether stratified rays and those to three cones, one of which is half below the horizon, make up
 // the solid angle of the hemisphere and that of a cone when each counts by its weight.
-static void weighed_rays_cover_the_hemisphere(void **state) {
+static void weighted_rays_cover_the_hemisphere(void **state) {
     (void)state;
     enum { STRATIFIED = 1 << 14, CONES = 3 };
     const vec3 n = v3(0, 0, 1);
@@ -126,11 +126,11 @@ static void weighed_rays_cover_the_hemisphere(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(faint_cones_get_none),
-        cmocka_unit_test(rays_are_at_most_half_as_many),
+        cmocka_unit_test(faint_cones_get_no_rays),
+        cmocka_unit_test(at_most_half_of_the_stratified_rays_are_added),
         cmocka_unit_test(directions_are_in_their_cone),
         cmocka_unit_test(densities_of_all_cones_add_up),
-        cmocka_unit_test(weighed_rays_cover_the_hemisphere),
+        cmocka_unit_test(weighted_rays_cover_the_hemisphere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -98,7 +98,7 @@ static void samples_go_through_the_hole(void **state) {
     end(&t, all);
 }
 
-static void an_open_floor_looks_up(void **state) {
+static void samples_of_an_open_floor_go_to_the_sky(void **state) {
     (void)state;
     struct test_scene t;
     struct guide_visibility *all = begin(&t, false, 0, 1);
@@ -112,7 +112,7 @@ static void an_open_floor_looks_up(void **state) {
     end(&t, all);
 }
 
-static void without_sky_there_is_nothing(void **state) {
+static void without_a_sky_there_is_no_histogram(void **state) {
     (void)state;
     struct test_scene t;
     struct guide_visibility *all = begin(&t, true, 1, 1);
@@ -137,7 +137,7 @@ static void lamps_behind_walls_are_hardly_chosen(void **state) {
     end(&t, all);
 }
 
-static void guide_visibility_threads_make_no_difference(void **state) {
+static void threads_do_not_change_visibility(void **state) {
     (void)state;
     struct test_scene t;
     guide_visibility_room(&t, true, 0);
@@ -157,10 +157,10 @@ static void guide_visibility_threads_make_no_difference(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_go_through_the_hole),
-        cmocka_unit_test(an_open_floor_looks_up),
-        cmocka_unit_test(without_sky_there_is_nothing),
+        cmocka_unit_test(samples_of_an_open_floor_go_to_the_sky),
+        cmocka_unit_test(without_a_sky_there_is_no_histogram),
         cmocka_unit_test(lamps_behind_walls_are_hardly_chosen),
-        cmocka_unit_test(guide_visibility_threads_make_no_difference),
+        cmocka_unit_test(threads_do_not_change_visibility),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -113,7 +113,7 @@ static struct mat4 rotated(struct mat4 m, vec3 axis, float degrees) {
     return mat4_mul(&m, &r);
 }
 
-static void area_density(void **state) {
+static void densities_of_area_lights_are_right(void **state) {
     (void)state;
     struct test_scene t;
     const rgb white = rgb_grey(1.0f);
@@ -159,7 +159,7 @@ static void area_density(void **state) {
 }
 
 // A mesh of three triangles, which do not form faces in pairs, is sampled by triangle.
-static void triangle_density(void **state) {
+static void densities_of_triangles_are_right(void **state) {
     (void)state;
     static const float position[19] = {0, 0, 0, 1, 0, 0, 1, 1, 0.3f, 0, 1.2f, 0, -0.7f, 0.5f, 0, 0};
     static const uint32_t index[9] = {0, 1, 2, 0, 2, 3, 0, 3, 4};
@@ -190,7 +190,7 @@ static struct light environment(const struct image *image) {
     return light;
 }
 
-static void environment_density(void **state) {
+static void densities_of_environments_are_right(void **state) {
     (void)state;
     float texel[16 * 9 * 3];
     struct image image = noise_image(texel, 16, 9);
@@ -212,7 +212,7 @@ static void environment_density(void **state) {
 
 // Values of Mitsuba 3.9.1 for an image of 4 x 3 texels, red = 1 + index, rotated by 30 degrees
 // about y.
-static void environment_orientation(void **state) {
+static void environments_are_oriented_as_in_mitsuba(void **state) {
     (void)state;
     float texel[36] = {0};
     for (int i = 0; i < 12; i++) texel[3 * i] = (float)(i + 1);
@@ -277,7 +277,7 @@ static struct light light_spot(float cutoff, float beam) {
 
 // Lights are drawn as often as light_choose_probability says, few or many; and with a probability
 // above 0 wherever they bring light.
-static void choice_has_its_probability(void **state) {
+static void lights_are_chosen_with_their_probability(void **state) {
     (void)state;
     for (int lights = 3; lights <= 28; lights += 25) {
         struct test_scene t;
@@ -321,7 +321,7 @@ static void choice_has_its_probability(void **state) {
 }
 
 // Mitsuba's falloff is linear in the angle (measured with 3.9.1).
-static void spot_falloff(void **state) {
+static void spots_fall_off_between_their_angles(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -421,7 +421,7 @@ static void check_emission(const struct emission_case *c) {
     test_scene_free(&t);
 }
 
-static void light_emission(void **state) {
+static void photons_carry_the_power_of_their_light(void **state) {
     (void)state;
     float texel[16 * 9 * 3];
     struct image image = noise_image(texel, 16, 9);
@@ -470,14 +470,14 @@ static void light_emission(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(area_density),
-        cmocka_unit_test(triangle_density),
-        cmocka_unit_test(environment_density),
-        cmocka_unit_test(environment_orientation),
+        cmocka_unit_test(densities_of_area_lights_are_right),
+        cmocka_unit_test(densities_of_triangles_are_right),
+        cmocka_unit_test(densities_of_environments_are_right),
+        cmocka_unit_test(environments_are_oriented_as_in_mitsuba),
         cmocka_unit_test(area_lights_have_a_front),
-        cmocka_unit_test(choice_has_its_probability),
-        cmocka_unit_test(spot_falloff),
-        cmocka_unit_test(light_emission),
+        cmocka_unit_test(lights_are_chosen_with_their_probability),
+        cmocka_unit_test(spots_fall_off_between_their_angles),
+        cmocka_unit_test(photons_carry_the_power_of_their_light),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

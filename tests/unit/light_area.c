@@ -7,7 +7,7 @@
 #include "test_scene.h"
 
 // The solid angle is that of the unit square.
-static void rectangles_of_any_size(void **state) {
+static void solid_angles_of_rectangles_of_any_size_are_right(void **state) {
     (void)state;
     static const float size[] = {1.0f, 1e-7f, 1e5f, 1e7f, 1e-11f, 1e12f};
     float first = 0.0f;
@@ -28,7 +28,7 @@ static void rectangles_of_any_size(void **state) {
 }
 
 // Normals and densities where the square of the area leaves the range of float.
-static void triangles_of_any_size(void **state) {
+static void solid_angles_of_triangles_of_any_size_are_right(void **state) {
     (void)state;
     static const uint32_t index[3] = {0, 1, 2};
     static const float size[] = {1.0f, 1e-11f, 1e12f}, u[4] = {0.3f, 0.6f, 0.2f, 0.7f};
@@ -150,7 +150,8 @@ static void photons_leave_a_bright_texel(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rectangles_of_any_size), cmocka_unit_test(triangles_of_any_size),
+        cmocka_unit_test(solid_angles_of_rectangles_of_any_size_are_right),
+        cmocka_unit_test(solid_angles_of_triangles_of_any_size_are_right),
         cmocka_unit_test(a_bright_texel_is_found), cmocka_unit_test(photons_leave_a_bright_texel)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

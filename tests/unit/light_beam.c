@@ -5,7 +5,7 @@
 #include "test_scene.h"
 
 // A beam brings the same to all points before its shape, and photons leave along its normal.
-static void beams_go_one_direction(void **state) {
+static void beams_have_one_direction(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
         struct test_scene t;
@@ -42,6 +42,6 @@ static void beams_go_one_direction(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(beams_go_one_direction)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(beams_have_one_direction)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
 #include "test_scene.h"
 
 // A small sun is evaluated where it is sampled, and brings its radiance times its solid angle.
-static void sun_is_a_disc(void **state) {
+static void the_sun_is_a_disc(void **state) {
     (void)state;
     float texel[4 * 3 * 3] = {0};
     const struct image black = {4, 3, 3, texel};
@@ -39,7 +39,7 @@ static void sun_is_a_disc(void **state) {
 
 // Through a window that most bins leave dark: the density that is reported is that of the samples,
 // and the light of every part of the sky has the right mean.
-static void histograms_change_no_light(void **state) {
+static void histograms_do_not_change_the_mean(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -76,8 +76,8 @@ static void histograms_change_no_light(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sun_is_a_disc),
-        cmocka_unit_test(histograms_change_no_light),
+        cmocka_unit_test(the_sun_is_a_disc),
+        cmocka_unit_test(histograms_do_not_change_the_mean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -108,7 +108,7 @@ static void faces_must_be_parallel(void **state) {
     assert_true(through_wedge(1e-2f) < 0.0);
 }
 
-static void what_is_no_pane_stops(void **state) {
+static void what_is_no_pane_stops_light(void **state) {
     (void)state;
     static const char *const kind[] = {"frosted", "ball", "blocked", "plain"};
     for (int i = 0; i < 4; i++) {
@@ -328,7 +328,7 @@ int main(void) {
         cmocka_unit_test(panes_transmit_by_fresnel),
         cmocka_unit_test(thin_sheets_transmit_straight),
         cmocka_unit_test(faces_must_be_parallel),
-        cmocka_unit_test(what_is_no_pane_stops),
+        cmocka_unit_test(what_is_no_pane_stops_light),
         cmocka_unit_test(panes_are_counted),
         cmocka_unit_test(distances_are_those_of_a_slab),
         cmocka_unit_test(points_of_light_are_found),

@@ -23,7 +23,7 @@ static rgb light_sky_texel(const struct image *image, int column, int row) {
 // kcd/m^2 of luminance 1.
 static const float light_sky_unit = 72.91f;
 
-static void zenith_is_the_formulas(void **state) {
+static void the_zenith_has_the_luminance_of_the_formula(void **state) {
     (void)state;
     // Turbidity, elevation, luminance (4.0453 T - 4.9710) tan chi - 0.2155 T + 2.4192 [kcd/m^2]
     // with chi = (4/9 - T/120) (pi - 2 theta); x and y of the zenith.
@@ -46,7 +46,7 @@ static void zenith_is_the_formulas(void **state) {
     }
 }
 
-static void horizon_and_sides(void **state) {
+static void the_sky_ends_at_the_horizon_and_is_symmetric(void **state) {
     (void)state;
     struct arena arena = {0};
     struct image image;
@@ -70,7 +70,7 @@ static void horizon_and_sides(void **state) {
 }
 
 // Direct sunlight at noon is some 100 klx with a colour near white; it fades and reddens.
-static void sun_sets(void **state) {
+static void low_sunlight_is_faint_and_red(void **state) {
     (void)state;
     const float chord = 0.5338f * 0.5f * (PI_F / 180.0f), solid_angle = PI_F * chord * chord;
     struct sky high = sky_of(2.5f, 80.0f), low = sky_of(2.5f, 5.0f);
@@ -84,9 +84,9 @@ static void sun_sets(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(zenith_is_the_formulas),
-        cmocka_unit_test(horizon_and_sides),
-        cmocka_unit_test(sun_sets),
+        cmocka_unit_test(the_zenith_has_the_luminance_of_the_formula),
+        cmocka_unit_test(the_sky_ends_at_the_horizon_and_is_symmetric),
+        cmocka_unit_test(low_sunlight_is_faint_and_red),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,7 +14,7 @@ static vec3 at(float latitude, int month, int day, float hour) {
 }
 
 // At noon it is in the south, at the height of the latitude's complement and the declination.
-static void is_high_at_noon(void **state) {
+static void the_sun_is_high_at_noon(void **state) {
     (void)state;
     static const struct {
         float latitude;
@@ -30,7 +30,7 @@ static void is_high_at_noon(void **state) {
     }
 }
 
-static void rises_in_the_east(void **state) {
+static void the_sun_rises_in_the_east(void **state) {
     (void)state;
     const vec3 morning = at(50, 3, 20, 7.0f), evening = at(50, 3, 20, 17.0f);
     assert_true(morning.x > 0.9f && morning.y > 0.05f && evening.x < -0.9f && evening.y > 0.05f);
@@ -43,7 +43,7 @@ static void rises_in_the_east(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(is_high_at_noon),
-                                       cmocka_unit_test(rises_in_the_east)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_sun_is_high_at_noon),
+                                       cmocka_unit_test(the_sun_rises_in_the_east)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

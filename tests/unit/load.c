@@ -13,7 +13,7 @@ static satin_scene *test_load(const char *text) {
 }
 
 // Around another, it shows the front of that on both sides; also around a blend of such.
-static void twosided_nests(void **state) {
+static void twosided_materials_nest(void **state) {
     (void)state;
     struct satin_scene *scene = test_load(SCENE_TEXT(
         "<shape type='disk'><bsdf type='twosided'><bsdf type='twosided'><bsdf type='plastic'/>"
@@ -111,7 +111,7 @@ static void hidden_colours_do_not_bleed(void **state) {
     satin_scene_free(scene);
 }
 
-static void builds_materials(void **state) {
+static void materials_are_built(void **state) {
     (void)state;
     struct satin_scene *scene = test_load(SCENE_TEXT(
         "<bsdf type='roughconductor' id='m'><string name='distribution' value='ggx'/>"
@@ -149,7 +149,7 @@ static void builds_materials(void **state) {
     satin_scene_free(scene);
 }
 
-static void builds_shapes(void **state) {
+static void shapes_are_built(void **state) {
     (void)state;
     struct satin_scene *scene = test_load(SCENE_TEXT(
         "<shape type='sphere'><point name='center' x='1' y='2' z='3'/>"
@@ -170,7 +170,7 @@ static void builds_shapes(void **state) {
     satin_scene_free(scene);
 }
 
-static void builds_lights(void **state) {
+static void lights_are_built(void **state) {
     (void)state;
     struct satin_scene *scene = test_load(SCENE_TEXT(
         "<shape type='disk'><emitter type='area'><rgb name='radiance' value='3 2 1'/></emitter>"
@@ -194,7 +194,7 @@ static void builds_lights(void **state) {
     satin_scene_free(scene);
 }
 
-static void keeps_hints(void **state) {
+static void hints_are_kept(void **state) {
     (void)state;
     struct satin_scene *scene = test_load(
         "<scene version='3.0.0'><integrator type='aov'><string name='aovs' value='a:depth'/>"
@@ -230,7 +230,7 @@ static void keeps_hints(void **state) {
 
 #define OBJ "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
-static void hashes_all_that_is_read(void **state) {
+static void the_hash_covers_all_that_is_read(void **state) {
     (void)state;
     const char *text =
         SCENE_TEXT("<shape type='obj'><string name='filename' value='a.obj'/></shape>");
@@ -395,7 +395,7 @@ static void test_load_refuse(const char *error) {
     assert_null(scene);
 }
 
-static void load_refuses_with_place(void **state) {
+static void errors_of_scenes_name_their_place(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof load_refusals / sizeof *load_refusals; i++) {
         scene_case_file("scene.xml", load_refusals[i].text);
@@ -403,7 +403,7 @@ static void load_refuses_with_place(void **state) {
     }
 }
 
-static void refuses_bad_files(void **state) {
+static void bad_files_are_refused(void **state) {
     (void)state;
     scene_case_file("scene.xml", SCENE_TEXT("<shape type='obj'>\n"
                                             "<string name='filename' value='a.obj'/></shape>"));
@@ -424,7 +424,7 @@ static void refuses_bad_files(void **state) {
     assert_int_equal(c.errors, 1);
 }
 
-static void warns_of_what_has_no_effect(void **state) {
+static void parameters_without_effect_are_reported(void **state) {
     (void)state;
     scene_case_file("scene.xml",
                     SCENE_TEXT("<sensor type='thinlens'><float name='aperture_radius' value='1'/>"
@@ -441,7 +441,7 @@ static void warns_of_what_has_no_effect(void **state) {
                      SATIN_ERROR_ARGUMENT);
 }
 
-static void reads_a_raw_constant(void **state) {
+static void a_raw_constant_is_read(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -459,18 +459,18 @@ static void reads_a_raw_constant(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_a_raw_constant),
-        cmocka_unit_test(builds_materials),
+        cmocka_unit_test(a_raw_constant_is_read),
+        cmocka_unit_test(materials_are_built),
         cmocka_unit_test(masks_nest),
         cmocka_unit_test(hidden_colours_do_not_bleed),
-        cmocka_unit_test(twosided_nests),
-        cmocka_unit_test(builds_shapes),
-        cmocka_unit_test(builds_lights),
-        cmocka_unit_test(keeps_hints),
-        cmocka_unit_test(hashes_all_that_is_read),
-        cmocka_unit_test(load_refuses_with_place),
-        cmocka_unit_test(refuses_bad_files),
-        cmocka_unit_test(warns_of_what_has_no_effect),
+        cmocka_unit_test(twosided_materials_nest),
+        cmocka_unit_test(shapes_are_built),
+        cmocka_unit_test(lights_are_built),
+        cmocka_unit_test(hints_are_kept),
+        cmocka_unit_test(the_hash_covers_all_that_is_read),
+        cmocka_unit_test(errors_of_scenes_name_their_place),
+        cmocka_unit_test(bad_files_are_refused),
+        cmocka_unit_test(parameters_without_effect_are_reported),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

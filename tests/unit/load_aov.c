@@ -6,7 +6,7 @@
 #define AOV(pairs) \
     SCENE_TEXT("<integrator type='aov'><string name='aovs' value='" pairs "'/></integrator>")
 
-static void names_channels(void **state) {
+static void channels_have_the_names_of_the_scene(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(&c, AOV("dd.y:depth,nn:sh_normal  i:shape_index,d:depth"));
@@ -27,7 +27,7 @@ static void names_channels(void **state) {
     satin_scene_free(scene);
 }
 
-static void holds_every_kind(void **state) {
+static void every_kind_of_aov_is_held(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -40,7 +40,7 @@ static void holds_every_kind(void **state) {
     satin_scene_free(scene);
 }
 
-static void holds_options(void **state) {
+static void options_of_aovs_are_held(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -56,7 +56,7 @@ static void holds_options(void **state) {
 }
 
 // Named as Mitsuba 3.9.1 names them.
-static void moment_squares_what_is_in_it(void **state) {
+static void a_moment_has_the_squares_of_its_channels(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -86,7 +86,7 @@ static void moment_squares_what_is_in_it(void **state) {
     satin_scene_free(scene);
 }
 
-static void refuses_by_name(void **state) {
+static void unsupported_aovs_are_refused_by_name(void **state) {
     (void)state;
     static const struct {
         const char *text, *error;
@@ -126,9 +126,11 @@ static void refuses_by_name(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(names_channels),  cmocka_unit_test(holds_every_kind),
-        cmocka_unit_test(holds_options),   cmocka_unit_test(moment_squares_what_is_in_it),
-        cmocka_unit_test(refuses_by_name),
+        cmocka_unit_test(channels_have_the_names_of_the_scene),
+        cmocka_unit_test(every_kind_of_aov_is_held),
+        cmocka_unit_test(options_of_aovs_are_held),
+        cmocka_unit_test(a_moment_has_the_squares_of_its_channels),
+        cmocka_unit_test(unsupported_aovs_are_refused_by_name),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -27,7 +27,7 @@ static void write_png(const char *path, png_uint_32 format, const void *pixel) {
     assert_true(png_image_write_to_file(&png, path, 0, pixel, 0, NULL));
 }
 
-static void linearises_bytes(void **state) {
+static void bytes_become_linear(void **state) {
     (void)state;
     // Transparent pixels keep their colour; alpha is dropped.
     static const unsigned char pixel[24] = {0,   10, 20, 255, 60, 128, 200, 0, 255, 254, 253, 9,
@@ -56,7 +56,7 @@ static void linearises_bytes(void **state) {
     arena_free(&c.arena);
 }
 
-static void takes_floats_that_light_can_have(void **state) {
+static void floats_must_be_possible_for_light(void **state) {
     (void)state;
     // PFM: rows from the bottom, little-endian.
     char file[64];
@@ -86,7 +86,7 @@ static void load_image_refuse(const char *path, const char *message) {
     arena_free(&c.arena);
 }
 
-static void refuses_wrong_files(void **state) {
+static void wrong_image_files_are_refused(void **state) {
     (void)state;
     load_image_refuse("missing.png", "scene.xml:3:7: cannot read 'missing.png'");
     load_image_refuse(".", "scene.xml:3:7: cannot read '.'");
@@ -119,9 +119,9 @@ static void refuses_wrong_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(linearises_bytes),
-        cmocka_unit_test(takes_floats_that_light_can_have),
-        cmocka_unit_test(refuses_wrong_files),
+        cmocka_unit_test(bytes_become_linear),
+        cmocka_unit_test(floats_must_be_possible_for_light),
+        cmocka_unit_test(wrong_image_files_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

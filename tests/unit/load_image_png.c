@@ -69,7 +69,7 @@ static void refuse_png(const struct png_file *png, const char *problem) {
 }
 
 // One pixel of each type and depth: the values that the file has, whatever its packing.
-static void reads_every_type(void **state) {
+static void every_type_of_png_is_read(void **state) {
     (void)state;
     static const struct {
         unsigned char depth, type, row[9];
@@ -110,7 +110,7 @@ static void reads_every_type(void **state) {
 }
 
 // The rows of an interlaced image end where those of its pixels are.
-static void reads_interlaced_rows(void **state) {
+static void interlaced_rows_are_read(void **state) {
     (void)state;
     // 3 x 2 pixels of grey. Passes 1, 4, 6 and 7 have a row each, of 1, 1, 1 and 3 pixels.
     static const unsigned char rows[] = {0, 10, 0, 30, 0, 20, 0, 40, 50, 60};
@@ -132,7 +132,7 @@ static void reads_interlaced_rows(void **state) {
     refuse_png(&png, "the PNG is damaged: Not enough image data");
 }
 
-static void takes_encoding_from_the_file(void **state) {
+static void the_encoding_is_that_of_the_file(void **state) {
     (void)state;
     static const struct {
         const char *name, *data;
@@ -159,7 +159,7 @@ static void takes_encoding_from_the_file(void **state) {
     }
 }
 
-static void load_image_png_refuses_damage(void **state) {
+static void damaged_png_files_are_refused(void **state) {
     (void)state;
     static const struct {
         size_t at;
@@ -200,7 +200,7 @@ static void load_image_png_refuses_damage(void **state) {
 
 // A file may end anywhere, and any byte of any chunk may be another, also one of a text, on which
 // no texel depends.
-static void refuses_every_cut_and_every_wrong_byte(void **state) {
+static void every_cut_and_every_wrong_byte_is_refused(void **state) {
     (void)state;
     const unsigned char header[HEADER] = {[3] = 3, [7] = 2, [8] = 8}, rows[8] = {0};
     struct png_file png;
@@ -224,7 +224,7 @@ static void refuses_every_cut_and_every_wrong_byte(void **state) {
 }
 
 // Text that unpacks to 64 MB, eight times what libpng would allocate for a chunk, is not unpacked.
-static void skips_what_no_texel_depends_on(void **state) {
+static void chunks_without_effect_are_skipped(void **state) {
     (void)state;
     enum { LARGE = 64 << 20, PACKED = 1 << 17 };
     const unsigned char header[HEADER] = {[3] = 1, [7] = 1, [8] = 8}, row[2] = {0, 7};
@@ -265,12 +265,12 @@ static void skips_what_no_texel_depends_on(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_every_type),
-        cmocka_unit_test(reads_interlaced_rows),
-        cmocka_unit_test(takes_encoding_from_the_file),
-        cmocka_unit_test(load_image_png_refuses_damage),
-        cmocka_unit_test(refuses_every_cut_and_every_wrong_byte),
-        cmocka_unit_test(skips_what_no_texel_depends_on),
+        cmocka_unit_test(every_type_of_png_is_read),
+        cmocka_unit_test(interlaced_rows_are_read),
+        cmocka_unit_test(the_encoding_is_that_of_the_file),
+        cmocka_unit_test(damaged_png_files_are_refused),
+        cmocka_unit_test(every_cut_and_every_wrong_byte_is_refused),
+        cmocka_unit_test(chunks_without_effect_are_skipped),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -45,7 +45,7 @@ static satin_status read_bytes(reader read, const void *bytes, size_t size, stru
 #define HEAD "# a comment\nbrdf 1\ntheta_o 2 0 90\nphi_o 1 0\n"
 #define BODY "theta_i 1 45 phi 2 0 180\nchannels 1\n"
 
-static void reads_grids(void **state) {
+static void grids_are_read(void **state) {
     (void)state;
     struct arena arena = {0};
     struct brdf_grid g;
@@ -58,7 +58,7 @@ static void reads_grids(void **state) {
     arena_free(&arena);
 }
 
-static void refuses_bad_text(void **state) {
+static void bad_text_is_refused(void **state) {
     (void)state;
     static const char *const known[][2] = {
         {"", "FILE:1:1: expected 'brdf 1'"},
@@ -82,7 +82,7 @@ static void refuses_bad_text(void **state) {
     }
 }
 
-static void reads_merl(void **state) {
+static void merl_files_are_read(void **state) {
     (void)state;
     enum { CELLS = 90 * 90 * 180, BYTES = 12 + 24 * CELLS };
     char *bytes = calloc(1, BYTES);
@@ -106,9 +106,9 @@ static void reads_merl(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_grids),
-        cmocka_unit_test(refuses_bad_text),
-        cmocka_unit_test(reads_merl),
+        cmocka_unit_test(grids_are_read),
+        cmocka_unit_test(bad_text_is_refused),
+        cmocka_unit_test(merl_files_are_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,7 +7,7 @@ static void load_mesh_obj_read_text(struct mesh_case *c, struct mesh_request req
     assert_int_equal(mesh_case_read(c, load_mesh_obj, request, text, strlen(text)), SATIN_OK);
 }
 
-static void reads_all_corner_forms(void **state) {
+static void all_forms_of_corners_are_read(void **state) {
     (void)state;
     struct mesh_case c;
     load_mesh_obj_read_text(
@@ -39,7 +39,7 @@ static void reads_all_corner_forms(void **state) {
 
 static const char quad[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0.25\nf 1/1 2/1 3/1 4/1\n";
 
-static void applies_the_request(void **state) {
+static void the_requested_changes_are_applied(void **state) {
     (void)state;
     struct mesh_case c;
     struct mesh_request request = {
@@ -56,7 +56,7 @@ static void applies_the_request(void **state) {
 }
 
 // Three points in a line are no triangle that a ray could hit, at any position.
-static void collapses_what_has_no_area(void **state) {
+static void triangles_without_area_are_dropped(void **state) {
     (void)state;
     struct mesh_case c;
     load_mesh_obj_read_text(&c, mesh_case_plain(),
@@ -68,7 +68,7 @@ static void collapses_what_has_no_area(void **state) {
 }
 
 // The normals of the file decide which side is the front, mirrored or not.
-static void winds_by_the_normals(void **state) {
+static void triangles_are_wound_by_their_normals(void **state) {
     (void)state;
     static const char text[] =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nvn 0 0 1\nf 1//1 2//1 3//1\nf 1//2 2//2 3//2\n";
@@ -89,7 +89,7 @@ static void winds_by_the_normals(void **state) {
     }
 }
 
-static void names_the_line_of_an_error(void **state) {
+static void an_error_names_its_line(void **state) {
     (void)state;
     static const struct {
         const char *text, *message;
@@ -116,7 +116,7 @@ static void names_the_line_of_an_error(void **state) {
         mesh_case_refuse(load_mesh_obj, wrong[i].text, strlen(wrong[i].text), wrong[i].message);
 }
 
-static void names_the_scene_for_a_missing_file(void **state) {
+static void a_missing_mesh_names_the_scene(void **state) {
     (void)state;
     struct scene_case log;
     struct arena arena = {0};
@@ -130,12 +130,12 @@ static void names_the_scene_for_a_missing_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_all_corner_forms),
-        cmocka_unit_test(applies_the_request),
-        cmocka_unit_test(winds_by_the_normals),
-        cmocka_unit_test(collapses_what_has_no_area),
-        cmocka_unit_test(names_the_line_of_an_error),
-        cmocka_unit_test(names_the_scene_for_a_missing_file),
+        cmocka_unit_test(all_forms_of_corners_are_read),
+        cmocka_unit_test(the_requested_changes_are_applied),
+        cmocka_unit_test(triangles_are_wound_by_their_normals),
+        cmocka_unit_test(triangles_without_area_are_dropped),
+        cmocka_unit_test(an_error_names_its_line),
+        cmocka_unit_test(a_missing_mesh_names_the_scene),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -75,7 +75,7 @@ static void write_pyramid(struct body *body, int format, const char *real, const
     load_mesh_ply_put(body, "double", 0.5);
 }
 
-static void reads_every_format_and_type(void **state) {
+static void every_format_and_type_is_read(void **state) {
     (void)state;
     static const char *const type[][3] = {
         {"float", "int", "uchar"},     {"double", "uint", "char"},   {"float32", "int32", "uint8"},
@@ -112,7 +112,7 @@ static void reads_every_format_and_type(void **state) {
 #define BINARY "ply\nformat binary_little_endian 1.0\n"
 #define CORNERS "0 0 0\n1 0 0\n0 1 0\n"
 
-static void refuses_what_is_wrong(void **state) {
+static void wrong_ply_files_are_refused(void **state) {
     (void)state;
     static const struct {
         const char *text, *message;
@@ -154,7 +154,7 @@ static void refuses_what_is_wrong(void **state) {
 }
 
 // Elements without properties take no bytes, so that their count is free: it must not cost time.
-static void passes_over_empty_elements(void **state) {
+static void empty_elements_are_skipped(void **state) {
     (void)state;
     static const char text[] =
         TEXT "element nothing 1000000000000\n" VERTEX FACE "end_header\n" CORNERS "3 0 1 2";
@@ -165,7 +165,7 @@ static void passes_over_empty_elements(void **state) {
     mesh_case_free(&c);
 }
 
-static void refuses_bad_binary_lists(void **state) {
+static void bad_binary_lists_are_refused(void **state) {
     (void)state;
     char file[512];
     size_t header = (size_t)sprintf(file, "%s",
@@ -215,7 +215,7 @@ static void load_mesh_ply_read_attributes(struct mesh_case *c, const char *verte
 }
 
 // As Mitsuba 3.9 names and reads them.
-static void keeps_attributes(void **state) {
+static void attributes_of_meshes_are_kept(void **state) {
     (void)state;
     static const char *const names[] = {"vertex_color", "vertex_heat", "vertex_tint_color",
                                         "vertex_pair",  "face_color",  "vertex_gone",
@@ -255,7 +255,7 @@ static void keeps_attributes(void **state) {
     mesh_case_free(&c);
 }
 
-static void counts_negative_values_as_none(void **state) {
+static void negative_values_count_as_0(void **state) {
     (void)state;
     static const char *const names[] = {"vertex_heat", "face_heat", NULL};
     struct mesh_case c;
@@ -272,12 +272,12 @@ static void counts_negative_values_as_none(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_every_format_and_type),
-        cmocka_unit_test(refuses_what_is_wrong),
-        cmocka_unit_test(keeps_attributes),
-        cmocka_unit_test(counts_negative_values_as_none),
-        cmocka_unit_test(passes_over_empty_elements),
-        cmocka_unit_test(refuses_bad_binary_lists),
+        cmocka_unit_test(every_format_and_type_is_read),
+        cmocka_unit_test(wrong_ply_files_are_refused),
+        cmocka_unit_test(attributes_of_meshes_are_kept),
+        cmocka_unit_test(negative_values_count_as_0),
+        cmocka_unit_test(empty_elements_are_skipped),
+        cmocka_unit_test(bad_binary_lists_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -74,7 +74,7 @@ static satin_status load_mesh_serialized_read_index(struct mesh_case *c, const s
     return mesh_case_read(c, load_mesh_serialized, request, file->byte, file->size);
 }
 
-static void reads_versions_and_precisions(void **state) {
+static void versions_and_precisions_are_read(void **state) {
     (void)state;
     for (int version = 3; version <= 4; version++)
         for (int wide = 0; wide < 2; wide++)
@@ -101,7 +101,7 @@ static void refuse_index(const struct bytes *file, int index, const char *messag
     mesh_case_free(&c);
 }
 
-static void refuses_a_bad_table(void **state) {
+static void a_bad_table_is_refused(void **state) {
     (void)state;
     for (int version = 3; version <= 4; version++) {
         struct bytes file;
@@ -126,7 +126,7 @@ static void refuse_mesh(struct load_mesh_serialized_fault fault, const char *mes
     mesh_case_refuse(load_mesh_serialized, file.byte, file.size, message);
 }
 
-static void load_mesh_serialized_refuses_damage(void **state) {
+static void damaged_serialized_meshes_are_refused(void **state) {
     (void)state;
     struct bytes file = {.size = 0};
     put_mesh(&file, 4, true, 0.0, (struct load_mesh_serialized_fault){0});
@@ -149,9 +149,9 @@ static void load_mesh_serialized_refuses_damage(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_versions_and_precisions),
-        cmocka_unit_test(refuses_a_bad_table),
-        cmocka_unit_test(load_mesh_serialized_refuses_damage),
+        cmocka_unit_test(versions_and_precisions_are_read),
+        cmocka_unit_test(a_bad_table_is_refused),
+        cmocka_unit_test(damaged_serialized_meshes_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -18,7 +18,7 @@ static void read_cube(struct mesh_case *c, float angle) {
     assert_true(c->mesh.triangle_count == 12 && c->mesh.vertex_count == 36);
 }
 
-static void keeps_edges(void **state) {
+static void sharp_edges_are_kept(void **state) {
     (void)state;
     struct mesh_case c;
     read_cube(&c, 80.0f);
@@ -33,7 +33,7 @@ static void keeps_edges(void **state) {
     mesh_case_free(&c);
 }
 
-static void smooths_flatter_ones(void **state) {
+static void flatter_edges_are_smoothed(void **state) {
     (void)state;
     struct mesh_case c;
     read_cube(&c, 100.0f);
@@ -44,7 +44,7 @@ static void smooths_flatter_ones(void **state) {
     mesh_case_free(&c);
 }
 
-static void load_mesh_smooth_refuses(void **state) {
+static void impossible_smoothing_is_refused(void **state) {
     (void)state;
     static const char *const cases[] = {
         "<float name='max_smooth_angle' value='181'/>",
@@ -67,8 +67,8 @@ static void load_mesh_smooth_refuses(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(keeps_edges),
-                                       cmocka_unit_test(smooths_flatter_ones),
-                                       cmocka_unit_test(load_mesh_smooth_refuses)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(sharp_edges_are_kept),
+                                       cmocka_unit_test(flatter_edges_are_smoothed),
+                                       cmocka_unit_test(impossible_smoothing_is_refused)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

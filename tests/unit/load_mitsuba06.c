@@ -19,7 +19,7 @@ static const char mitsuba06[] =
     "<bsdf type='roughplastic' id='a'><srgb name='diffuseReflectance' value='.5 .5 #'/></bsdf>"
     "</scene>";
 
-static void translates(void **state) {
+static void names_of_version_06_are_translated(void **state) {
     (void)state;
     struct scene_case c;
     assert_null(scene_case_load(&c, mitsuba06));  // the colour's '#'
@@ -36,7 +36,7 @@ static void translates(void **state) {
 }
 
 // A factor around the heights is the bumpmap's own.
-static void moves_the_scale_of_bumps(void **state) {
+static void the_scale_of_bumps_is_moved(void **state) {
     (void)state;
     static const char bumps[] =
         "<scene version='%s'><sensor type='perspective'/><shape type='cube'>"
@@ -61,7 +61,7 @@ static void moves_the_scale_of_bumps(void **state) {
 }
 
 // Names, scales and colours that version 3 writes in another way.
-static void keeps_meaning(void **state) {
+static void parameters_keep_their_meaning(void **state) {
     (void)state;
     static const char body[] =
         "<sensor type='perspective'/><shape type='rectangle'><bsdf type='diffuse'>"
@@ -89,7 +89,7 @@ static void keeps_meaning(void **state) {
 }
 
 // A metal without a name is copper, in version 3 it is a mirror; a gamma of -1 is the file's own.
-static void keeps_defaults(void **state) {
+static void defaults_of_version_06_are_kept(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -116,7 +116,7 @@ static void keeps_defaults(void **state) {
 }
 
 // Textures as that version has them.
-static void reads_its_textures(void **state) {
+static void textures_of_version_06_are_read(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -149,7 +149,7 @@ static void reads_its_textures(void **state) {
     }
 }
 
-static void refuses_the_rest(void **state) {
+static void what_has_no_translation_is_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"<bsdf type='roughplastic'><string name='distribution' value='as'/></bsdf>",
@@ -169,7 +169,7 @@ static void refuses_the_rest(void **state) {
 }
 
 // Parameters of that version beside those of the same meaning, and what satin does with them.
-static void reads_what_others_wrote(void **state) {
+static void files_of_other_programs_are_read(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -199,7 +199,7 @@ static void reads_what_others_wrote(void **state) {
     satin_scene_free(scene);
 }
 
-static void reads_unknown_ways_of_rendering(void **state) {
+static void unknown_integrators_samplers_and_films_are_accepted(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -217,13 +217,14 @@ static void reads_unknown_ways_of_rendering(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(translates),
-                                       cmocka_unit_test(moves_the_scale_of_bumps),
-                                       cmocka_unit_test(keeps_meaning),
-                                       cmocka_unit_test(keeps_defaults),
-                                       cmocka_unit_test(refuses_the_rest),
-                                       cmocka_unit_test(reads_its_textures),
-                                       cmocka_unit_test(reads_what_others_wrote),
-                                       cmocka_unit_test(reads_unknown_ways_of_rendering)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_of_version_06_are_translated),
+        cmocka_unit_test(the_scale_of_bumps_is_moved),
+        cmocka_unit_test(parameters_keep_their_meaning),
+        cmocka_unit_test(defaults_of_version_06_are_kept),
+        cmocka_unit_test(what_has_no_translation_is_refused),
+        cmocka_unit_test(textures_of_version_06_are_read),
+        cmocka_unit_test(files_of_other_programs_are_read),
+        cmocka_unit_test(unknown_integrators_samplers_and_films_are_accepted)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -68,7 +68,7 @@ static satin_status read_besides(struct scene_case *c, const char *more, struct 
     return read_params(c, body, xml, p);
 }
 
-static void takes_defaults(void **state) {
+static void missing_parameters_have_their_defaults(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
@@ -84,7 +84,7 @@ static void takes_defaults(void **state) {
     load_xml_free(&xml);
 }
 
-static void reads_values(void **state) {
+static void values_are_read(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
@@ -109,7 +109,7 @@ static void reads_values(void **state) {
     load_xml_free(&xml);
 }
 
-static void reads_colours(void **state) {
+static void colours_are_read(void **state) {
     (void)state;
     static const struct {
         const char *text;
@@ -153,7 +153,7 @@ static void reads_colours(void **state) {
 
 // A parameter that may be textured may be a colour, which counts as its mean where a number is
 // needed.
-static void takes_means_of_colours(void **state) {
+static void colours_count_as_their_mean(void **state) {
     (void)state;
     static const char *const cases[] = {
         "<rgb name='fraction' value='.5 .2 .9'/>", "<rgb name='fraction' value='.5333333'/>",
@@ -170,7 +170,7 @@ static void takes_means_of_colours(void **state) {
 }
 
 // A colour of a texture is a colour; a number of it may be either.
-static void separates_numbers_from_colours(void **state) {
+static void the_value_of_a_texture_is_a_number_or_a_colour(void **state) {
     (void)state;
     static const struct {
         const char *text;
@@ -247,7 +247,7 @@ static const char *const load_params_refusals[][2] = {
     {"<ref name='colour' id='s'/>", "reference to unknown id 's'"},
     {"<float name='size' value='1'/>", "BRDF 'test' needs the parameter 'must'"}};
 
-static void load_params_refuses(void **state) {
+static void bad_parameters_are_refused(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof load_params_refusals / sizeof *load_params_refusals; i++) {
         struct scene_case c;
@@ -262,7 +262,7 @@ static void load_params_refuses(void **state) {
 }
 
 // A name far from every known one is a parameter of another renderer.
-static void passes_over_what_is_not_its_own(void **state) {
+static void elements_of_others_are_skipped(void **state) {
     (void)state;
     static const char *const others[] = {"<float name='zzzzzzzz' value='1'/>",
                                          "<texture type='bitmap' name='zzzzzzzz'/>"};
@@ -279,7 +279,7 @@ static void passes_over_what_is_not_its_own(void **state) {
 }
 
 // Every plugin describes itself and its parameters, and has defaults that can be read.
-static void tables_are_complete(void **state) {
+static void tables_of_plugins_are_complete(void **state) {
     (void)state;
     struct load_plugin_info info;
     int plugins = 0;
@@ -298,7 +298,7 @@ static void tables_are_complete(void **state) {
 }
 
 // A parameter may be textured exactly if its model allows it.
-static void textures_fit_models(void **state) {
+static void textures_fit_their_models(void **state) {
     (void)state;
     static const char *const slot_params[BRDF_SLOT_COUNT][3] = {
         {"reflectance", "diffuse_reflectance", "base_color"},
@@ -339,15 +339,15 @@ static void textures_fit_models(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(takes_defaults),
-        cmocka_unit_test(reads_values),
-        cmocka_unit_test(takes_means_of_colours),
-        cmocka_unit_test(reads_colours),
-        cmocka_unit_test(separates_numbers_from_colours),
-        cmocka_unit_test(load_params_refuses),
-        cmocka_unit_test(passes_over_what_is_not_its_own),
-        cmocka_unit_test(tables_are_complete),
-        cmocka_unit_test(textures_fit_models),
+        cmocka_unit_test(missing_parameters_have_their_defaults),
+        cmocka_unit_test(values_are_read),
+        cmocka_unit_test(colours_count_as_their_mean),
+        cmocka_unit_test(colours_are_read),
+        cmocka_unit_test(the_value_of_a_texture_is_a_number_or_a_colour),
+        cmocka_unit_test(bad_parameters_are_refused),
+        cmocka_unit_test(elements_of_others_are_skipped),
+        cmocka_unit_test(tables_of_plugins_are_complete),
+        cmocka_unit_test(textures_fit_their_models),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

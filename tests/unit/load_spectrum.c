@@ -5,7 +5,7 @@
 #include "base/fileio.h"
 #include "scene_case.h"
 
-static void reads_files(void **state) {
+static void spectrum_files_are_read(void **state) {
     (void)state;
     struct scene_case c;
     struct spectrum spectrum;
@@ -19,7 +19,7 @@ static void reads_files(void **state) {
     spectrum_free(&spectrum);
 }
 
-static void refuses_files(void **state) {
+static void bad_spectrum_files_are_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"", "a.spd: there is no sample in it"},
@@ -40,7 +40,7 @@ static void refuses_files(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(reads_files),
-                                       cmocka_unit_test(refuses_files)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(spectrum_files_are_read),
+                                       cmocka_unit_test(bad_spectrum_files_are_refused)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

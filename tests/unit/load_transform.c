@@ -28,7 +28,7 @@ static void load_transform_expect(const char *steps, const float m[12]) {
     for (int i = 0; i < 4; i++) assert_true(out.m[3][i] == (i == 3 ? 1.0f : 0.0f));
 }
 
-static void steps(void **state) {
+static void every_step_gives_its_matrix(void **state) {
     (void)state;
     load_transform_expect("", (float[]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
     load_transform_expect("<translate x='1' z='3'/>",
@@ -48,7 +48,7 @@ static void steps(void **state) {
 }
 
 // The first step in the file is applied first.
-static void order(void **state) {
+static void steps_apply_in_their_order(void **state) {
     (void)state;
     load_transform_expect("<translate x='1'/><scale value='2'/>",
                           (float[]){2, 0, 0, 2, 0, 2, 0, 0, 0, 0, 2, 0});
@@ -57,7 +57,7 @@ static void order(void **state) {
 }
 
 // Mitsuba 3.9 completes a missing up vector so.
-static void lookat_without_up(void **state) {
+static void lookat_needs_no_up(void **state) {
     (void)state;
     load_transform_expect("<lookat origin='3 -4 5' target='.2 .7 1'/>",
                           (float[]){0.18017852f, 0.8926596f, -0.41315195f, 3,   //
@@ -68,7 +68,7 @@ static void lookat_without_up(void **state) {
                           (float[]){0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0});
 }
 
-static void load_transform_refuses(void **state) {
+static void bad_transforms_are_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"<scale value='2' x='1'/>", "<scale> has both a value and x, y or z"},
@@ -93,10 +93,10 @@ static void load_transform_refuses(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps),
-        cmocka_unit_test(order),
-        cmocka_unit_test(lookat_without_up),
-        cmocka_unit_test(load_transform_refuses),
+        cmocka_unit_test(every_step_gives_its_matrix),
+        cmocka_unit_test(steps_apply_in_their_order),
+        cmocka_unit_test(lookat_needs_no_up),
+        cmocka_unit_test(bad_transforms_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

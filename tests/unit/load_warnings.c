@@ -86,7 +86,7 @@ static satin_scene *load_line(struct scene_case *c, const char *line) {
     return scene_case_load(c, text);
 }
 
-static void warns_of_nonsense(void **state) {
+static void doubtful_values_are_reported(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof warned / sizeof *warned; i++) {
         struct scene_case c;
@@ -98,7 +98,7 @@ static void warns_of_nonsense(void **state) {
     }
 }
 
-static void refuses_nonsense(void **state) {
+static void impossible_values_are_refused(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         struct scene_case c;
@@ -108,7 +108,7 @@ static void refuses_nonsense(void **state) {
     }
 }
 
-static void counts_those_of_a_kind(void **state) {
+static void warnings_of_a_kind_are_counted(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = load_line(&c, "one <shape type='cube'/> two <shape type='disk'/> 3");
@@ -120,7 +120,7 @@ static void counts_those_of_a_kind(void **state) {
 }
 
 // Before an error, so that they are reported in the order of their places.
-static void reports_before_an_error(void **state) {
+static void warnings_come_before_an_error(void **state) {
     (void)state;
     struct scene_case c;
     struct load_warnings warnings = {.to = scene_case_begin(&c)};
@@ -138,7 +138,7 @@ static void reports_before_an_error(void **state) {
     assert_false(warnings.failed);
 }
 
-static void is_strict_if_asked(void **state) {
+static void strict_loading_refuses_what_it_reports(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = NULL;
@@ -160,9 +160,11 @@ static void is_strict_if_asked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(warns_of_nonsense),      cmocka_unit_test(refuses_nonsense),
-        cmocka_unit_test(counts_those_of_a_kind), cmocka_unit_test(reports_before_an_error),
-        cmocka_unit_test(is_strict_if_asked),
+        cmocka_unit_test(doubtful_values_are_reported),
+        cmocka_unit_test(impossible_values_are_refused),
+        cmocka_unit_test(warnings_of_a_kind_are_counted),
+        cmocka_unit_test(warnings_come_before_an_error),
+        cmocka_unit_test(strict_loading_refuses_what_it_reports),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -12,7 +12,7 @@ static satin_status load_xml_read_text(struct scene_case *c, const char *text,
     return load_xml_read(scene_case_begin(c), "scene.xml", NULL, 0, &hash, xml);
 }
 
-static void keeps_order_and_places(void **state) {
+static void elements_keep_their_order_and_places(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
@@ -44,7 +44,7 @@ static void keeps_order_and_places(void **state) {
 
 // Declarations of a document's type change nothing but the entities that they declare, and lines
 // stay where they are.
-static void reads_past_the_type(void **state) {
+static void the_document_type_is_skipped(void **state) {
     (void)state;
     static const char *const types[] = {
         "<!DOCTYPE scene>\n\n\n",
@@ -65,7 +65,7 @@ static void reads_past_the_type(void **state) {
     }
 }
 
-static void replaces_entities(void **state) {
+static void entities_are_replaced(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
@@ -118,7 +118,7 @@ static void entities_are_bounded(void **state) {
     }
 }
 
-static void substitutes_parameters(void **state) {
+static void parameters_are_substituted(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
@@ -145,7 +145,7 @@ static void substitutes_parameters(void **state) {
         c.error, "scene.xml: parameter 'nam' is defined but not used (did you mean 'name'?)");
 }
 
-static void includes_files(void **state) {
+static void files_are_included(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
@@ -246,7 +246,7 @@ static const struct load_xml_refusal load_xml_refusals[] = {
      "scene.xml:1:24: cannot read 'none.xml': No such file or directory"},
 };
 
-static void load_xml_refuses_with_place(void **state) {
+static void errors_of_xml_name_their_place(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof load_xml_refusals / sizeof *load_xml_refusals; i++) {
         struct scene_case c;
@@ -291,11 +291,16 @@ static void substitution_is_bounded(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(keeps_order_and_places), cmocka_unit_test(reads_past_the_type),
-        cmocka_unit_test(replaces_entities),      cmocka_unit_test(entities_are_bounded),
-        cmocka_unit_test(substitutes_parameters), cmocka_unit_test(includes_files),
-        cmocka_unit_test(includes_are_bounded),   cmocka_unit_test(load_xml_refuses_with_place),
-        cmocka_unit_test(nesting_is_bounded),     cmocka_unit_test(substitution_is_bounded),
+        cmocka_unit_test(elements_keep_their_order_and_places),
+        cmocka_unit_test(the_document_type_is_skipped),
+        cmocka_unit_test(entities_are_replaced),
+        cmocka_unit_test(entities_are_bounded),
+        cmocka_unit_test(parameters_are_substituted),
+        cmocka_unit_test(files_are_included),
+        cmocka_unit_test(includes_are_bounded),
+        cmocka_unit_test(errors_of_xml_name_their_place),
+        cmocka_unit_test(nesting_is_bounded),
+        cmocka_unit_test(substitution_is_bounded),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -19,7 +19,7 @@ static void median_split_put(struct split_point *point, size_t i, vec3 p) {
 }
 
 // In a box that is longest along y, from 1 to a thousand points.
-static void halves_are_apart(void **state) {
+static void halves_of_a_split_are_apart(void **state) {
     (void)state;
     static struct split_point point[MOST];
     for (size_t count = 1; count <= MOST; count += 1 + count / 3) {
@@ -71,7 +71,7 @@ static void points_at_one_position_are_harmless(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(halves_are_apart),
+        cmocka_unit_test(halves_of_a_split_are_apart),
         cmocka_unit_test(walls_are_cut_into_pieces),
         cmocka_unit_test(points_at_one_position_are_harmless),
     };

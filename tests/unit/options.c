@@ -107,7 +107,7 @@ static void values_are_checked(void **state) {
     assert_int_equal(o.max_depth, -1);
 }
 
-static void messages_help(void **state) {
+static void messages_suggest_a_correction(void **state) {
     (void)state;
     satin_options o = satin_options_default;
     struct message message = {0};
@@ -171,7 +171,7 @@ static void table_covers_the_struct(void **state) {
     assert_true(sizeof(satin_options) - covered < 38);
 }
 
-static void layers_in_order(void **state) {
+static void settings_replace_those_before_them(void **state) {
     (void)state;
     struct scene_option option[] = {{"irradiance_a", "0.11", {"a.xml", 3, 5}},
                                     {"quality", "production", {"a.xml", 4, 5}},
@@ -205,10 +205,10 @@ int main(void) {
         cmocka_unit_test(presets_set_what_they_decide),
         cmocka_unit_test(presets_are_in_range),
         cmocka_unit_test(values_are_checked),
-        cmocka_unit_test(messages_help),
+        cmocka_unit_test(messages_suggest_a_correction),
         cmocka_unit_test(renamed_options_are_named),
         cmocka_unit_test(table_covers_the_struct),
-        cmocka_unit_test(layers_in_order),
+        cmocka_unit_test(settings_replace_those_before_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

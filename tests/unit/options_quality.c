@@ -98,7 +98,7 @@ static void seconds_are_divided_by_pixels(void **state) {
 }
 
 // The time decides the options, whatever the quality is, except for those that the user chose.
-static void what_the_user_chose_stays(void **state) {
+static void options_that_the_user_chose_stay(void **state) {
     (void)state;
     satin_options draft = options_quality_make(SATIN_DRAFT),
                   production = options_quality_make(SATIN_PRODUCTION);
@@ -133,7 +133,7 @@ int main(void) {
         cmocka_unit_test(no_time_leaves_the_ranges),
         cmocka_unit_test(more_time_never_buys_less),
         cmocka_unit_test(seconds_are_divided_by_pixels),
-        cmocka_unit_test(what_the_user_chose_stays),
+        cmocka_unit_test(options_that_the_user_chose_stay),
         cmocka_unit_test(a_denoised_image_takes_samples_rather_than_glossy_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,7 +19,7 @@ static void count_items(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) atomic_fetch_add(&seen[i], 1);
 }
 
-static void every_item_once(void **state) {
+static void every_item_is_computed_once(void **state) {
     (void)state;
     static atomic_int seen[ITEMS];
     for (int threads = 1; threads <= THREADS; threads++) {
@@ -142,7 +142,7 @@ static void parts_know_what_is_serial(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_item_once),
+        cmocka_unit_test(every_item_is_computed_once),
         cmocka_unit_test(chunks_are_never_empty),
         cmocka_unit_test(cancellation_ends_long_chunks),
         cmocka_unit_test(parts_know_what_is_serial),

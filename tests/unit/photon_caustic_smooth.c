@@ -100,7 +100,7 @@ static struct photon_caustic_smooth_errors photon_caustic_smooth_run(light_fn li
     return e;
 }
 
-static void noise_goes(void **state) {
+static void noise_is_removed(void **state) {
     (void)state;
     const light_fn light[] = {even, slope};
     for (int i = 0; i < 2; i++) {
@@ -114,7 +114,7 @@ static void noise_goes(void **state) {
     }
 }
 
-static void borders_stay(void **state) {
+static void borders_of_caustics_stay(void **state) {
     (void)state;
     for (int wall = 0; wall < 2; wall++) {
         const struct photon_caustic_smooth_errors before =
@@ -183,7 +183,7 @@ static double glossy_noise(const struct photon_maps *maps, const struct satin_sc
     return sqrt(square / POINTS - *mean * *mean) / *mean;
 }
 
-static void gloss_is_as_smooth(void **state) {
+static void glossy_surfaces_are_as_smooth(void **state) {
     (void)state;
     struct test_scene t;
     photon_caustic_smooth_scene_of(&t, false);
@@ -204,7 +204,7 @@ static void gloss_is_as_smooth(void **state) {
 }
 
 // Light whose square overflows: values stay finite and do not change.
-static void wild_values_stay(void **state) {
+static void extreme_values_stay(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_map map;
@@ -225,11 +225,11 @@ static void wild_values_stay(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(noise_goes),
-        cmocka_unit_test(borders_stay),
+        cmocka_unit_test(noise_is_removed),
+        cmocka_unit_test(borders_of_caustics_stay),
         cmocka_unit_test(normals_count_without_a_radius),
-        cmocka_unit_test(gloss_is_as_smooth),
-        cmocka_unit_test(wild_values_stay),
+        cmocka_unit_test(glossy_surfaces_are_as_smooth),
+        cmocka_unit_test(extreme_values_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

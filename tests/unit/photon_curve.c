@@ -59,7 +59,7 @@ static float *sorted_rows(int layout, int columns, struct parallel *pool) {
     return row;
 }
 
-static void same_order_on_any_threads(void **state) {
+static void threads_do_not_change_the_order(void **state) {
     (void)state;
     for (int layout = 0; layout < LAYOUTS; layout++) {
         float *first = NULL;
@@ -77,7 +77,7 @@ static void same_order_on_any_threads(void **state) {
     }
 }
 
-static void cells_cover_all(void **state) {
+static void cells_cover_all_points(void **state) {
     (void)state;
     enum { MOST = 700 };
     struct parallel *pool = parallel_new(2);
@@ -170,8 +170,8 @@ static void cells_find_what_one_tree_finds(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_order_on_any_threads),
-        cmocka_unit_test(cells_cover_all),
+        cmocka_unit_test(threads_do_not_change_the_order),
+        cmocka_unit_test(cells_cover_all_points),
         cmocka_unit_test(cells_find_what_one_tree_finds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

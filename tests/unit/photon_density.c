@@ -59,7 +59,7 @@ static void photon_density_integrate(const struct test_scene *t, const struct ph
 
 // In a disc, 100 photons have 7, and 3000 have more than k. When the nearest photon's
 // estimate was read everywhere, fading far from it, .49, .56, .83 and 1.02 were found.
-static void photon_density_power_is_kept(void **state) {
+static void density_estimates_keep_the_power(void **state) {
     (void)state;
     const size_t count[] = {1, 10, 100, 3000};
     struct test_scene t;
@@ -81,6 +81,6 @@ static void photon_density_power_is_kept(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(photon_density_power_is_kept)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(density_estimates_keep_the_power)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

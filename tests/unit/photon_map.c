@@ -54,7 +54,7 @@ static void search_is_exact(void **state) {
     parallel_free(pool);
 }
 
-static void few_rows_and_wild_queries(void **state) {
+static void few_rows_and_extreme_queries_are_harmless(void **state) {
     (void)state;
     const float data[9] = {0, 0, 0, 1, 0, 0, 0, 2, 0};
     const float query[9] = {0.1f, 0, 0, NAN, 0, 0, 0, 2, INFINITY};
@@ -131,7 +131,7 @@ static void map_keeps_all_in_order(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(search_is_exact),
-        cmocka_unit_test(few_rows_and_wild_queries),
+        cmocka_unit_test(few_rows_and_extreme_queries_are_harmless),
         cmocka_unit_test(packing_is_precise),
         cmocka_unit_test(map_keeps_all_in_order),
     };

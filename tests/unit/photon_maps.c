@@ -148,7 +148,7 @@ static void furnace_error(const struct test_scene *t, const struct photon_maps *
 
 // The zones hold about 170000, 8000 and 160 photons of the box: tolerances are four standard
 // deviations. Without the correction a third of the light is missing at edges.
-static void furnace_is_even(void **state) {
+static void a_furnace_is_uniform(void **state) {
     (void)state;
     static const double tolerance[ZONES] = {0.01, 0.045, 0.32};
     struct test_scene t;
@@ -180,7 +180,7 @@ static void furnace_is_even(void **state) {
 
 // A thin wall under a light: its upper side is lit, its lower side is dark except for light from
 // the floor.
-static void sides_are_apart(void **state) {
+static void the_sides_of_a_sheet_are_apart(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -327,7 +327,7 @@ static double flux(const struct photon_trace *trace, double *error) {
 
 // Aimed emission finds the same flux as plain emission, with more photons of the same number of
 // paths.
-static void guide_is_unbiased(void **state) {
+static void guided_emission_is_unbiased(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
                                             LIGHT_CONSTANT};
@@ -392,7 +392,7 @@ static void large_wedges_are_aimed_through(void **state) {
     }
 }
 
-static void no_pass_without_glass(void **state) {
+static void without_glass_there_is_no_caustic_pass(void **state) {
     (void)state;
     struct test_scene t;
     furnace(&t, 0.5f);
@@ -432,7 +432,7 @@ static void empty_maps_are_black(void **state) {
 }
 
 // The number of threads does not change the photons of a chunk.
-static void photon_maps_threads_do_not_matter(void **state) {
+static void threads_do_not_change_the_maps(void **state) {
     (void)state;
     struct test_scene t;
     caustic_scene(&t, LIGHT_AREA);
@@ -483,14 +483,14 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fewer_paths_are_a_pass_of_their_own),
         cmocka_unit_test(energy_is_kept),
-        cmocka_unit_test(furnace_is_even),
-        cmocka_unit_test(sides_are_apart),
+        cmocka_unit_test(a_furnace_is_uniform),
+        cmocka_unit_test(the_sides_of_a_sheet_are_apart),
         cmocka_unit_test(walls_do_not_leak),
-        cmocka_unit_test(guide_is_unbiased),
+        cmocka_unit_test(guided_emission_is_unbiased),
         cmocka_unit_test(large_wedges_are_aimed_through),
-        cmocka_unit_test(no_pass_without_glass),
+        cmocka_unit_test(without_glass_there_is_no_caustic_pass),
         cmocka_unit_test(empty_maps_are_black),
-        cmocka_unit_test(photon_maps_threads_do_not_matter),
+        cmocka_unit_test(threads_do_not_change_the_maps),
         cmocka_unit_test(building_can_be_cancelled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

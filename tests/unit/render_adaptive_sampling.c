@@ -134,7 +134,7 @@ static void the_number_of_samples_is_kept(void **state) {
 
 // Wanted counts that lie far more than 2^24 apart: a strip of little noise beside one of much
 // noise.
-static void faint_noise_does_not_hide_the_loud(void **state) {
+static void faint_noise_does_not_hide_strong_noise(void **state) {
     (void)state;
     struct adaptive_sampling adapt;
     make_quiet(&adapt, 0.0f);
@@ -210,7 +210,7 @@ int main(void) {
                                        cmocka_unit_test(first_samples_are_on_a_grid),
                                        cmocka_unit_test(the_mean_is_kept),
                                        cmocka_unit_test(the_number_of_samples_is_kept),
-                                       cmocka_unit_test(faint_noise_does_not_hide_the_loud),
+                                       cmocka_unit_test(faint_noise_does_not_hide_strong_noise),
                                        cmocka_unit_test(light_samples_go_where_lights_are_noisy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

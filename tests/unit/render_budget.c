@@ -75,7 +75,7 @@ static void a_limit_that_is_over_is_no_cancellation(void **state) {
     parallel_free(r.pool);
 }
 
-static void photons_fit_or_are_left(void **state) {
+static void photons_fit_into_the_time_or_are_left_out(void **state) {
     (void)state;
     const struct render r = render_budget_make(1000.0);
     const double first = render_budget_first_photons(&r);
@@ -90,7 +90,7 @@ static void photons_fit_or_are_left(void **state) {
     parallel_free(r.pool);
 }
 
-static void paths_follow_from_photons(void **state) {
+static void the_number_of_paths_follows_from_that_of_photons(void **state) {
     (void)state;
     satin_options o = {.photons = 300000, .caustic_photons = 7, .guide_clusters = true};
     o.gather_direct = true;
@@ -141,7 +141,7 @@ static void starved_maps_alone_are_made_again(void **state) {
 
 // Records get more time where more of the light is indirect, and less where the image is noisier.
 // The noise of the image falls faster than the error of records: with more cores records get more.
-static void records_get_what_the_paces_ask_for(void **state) {
+static void records_get_the_time_that_the_pilot_suggests(void **state) {
     (void)state;
     struct render r = render_budget_make(1000.0);
     const struct render_pace even = {
@@ -221,7 +221,7 @@ static void first_samples_are_few(void **state) {
         }
 }
 
-static void rays_at_rims_are_a_part_of_the_image(void **state) {
+static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
     (void)state;
     const size_t pixels = 160000;
     for (size_t rims = 1; rims <= pixels; rims *= 2) {
@@ -314,7 +314,7 @@ static struct render_covering after_level(const satin_options *o, int stride, do
     return c;
 }
 
-static void rays_are_what_the_time_allows(void **state) {
+static void the_time_limits_the_rays_of_records(void **state) {
     (void)state;
     const satin_options o = timed_options(SATIN_PRODUCTION);  // 2000 rays
     // The last level makes 1.4 times the records of the one before it.
@@ -364,21 +364,21 @@ int main(void) {
         cmocka_unit_test(no_limit_ends_nothing),
         cmocka_unit_test(steps_end_in_their_order),
         cmocka_unit_test(a_limit_that_is_over_is_no_cancellation),
-        cmocka_unit_test(photons_fit_or_are_left),
-        cmocka_unit_test(paths_follow_from_photons),
+        cmocka_unit_test(photons_fit_into_the_time_or_are_left_out),
+        cmocka_unit_test(the_number_of_paths_follows_from_that_of_photons),
         cmocka_unit_test(rays_per_bin_grow_with_photons),
         cmocka_unit_test(samples_gather_less_with_a_limit),
         cmocka_unit_test(starved_maps_alone_are_made_again),
-        cmocka_unit_test(records_get_what_the_paces_ask_for),
+        cmocka_unit_test(records_get_the_time_that_the_pilot_suggests),
         cmocka_unit_test(passes_grow_until_little_is_left),
         cmocka_unit_test(passes_take_what_the_options_say),
         cmocka_unit_test(first_samples_are_few),
-        cmocka_unit_test(rays_at_rims_are_a_part_of_the_image),
+        cmocka_unit_test(rays_at_rims_are_a_fraction_of_the_samples),
         cmocka_unit_test(rounds_become_finer_until_they_end),
         cmocka_unit_test(the_last_records_are_half_a_pixel_wide),
         cmocka_unit_test(no_record_is_read_wider_than_it_may_be),
         cmocka_unit_test(coarse_records_get_more_rays),
-        cmocka_unit_test(rays_are_what_the_time_allows),
+        cmocka_unit_test(the_time_limits_the_rays_of_records),
         cmocka_unit_test(a_denoised_image_has_whole_records_or_none),
         cmocka_unit_test(adaptive_caching_compares_a_bounded_number),
     };

@@ -42,7 +42,7 @@ static void a_known_function_converts(void **state) {
     }
 }
 
-static void there_and_back_is_the_identity(void **state) {
+static void converting_there_and_back_changes_nothing(void **state) {
     (void)state;
     uint32_t seed = 51;
     for (int order = 1; order <= RSH_MAX_ORDER; order++)
@@ -60,7 +60,7 @@ static void there_and_back_is_the_identity(void **state) {
         }
 }
 
-static void phase_agrees_with_the_short_call(void **state) {
+static void the_phase_agrees_with_the_short_call(void **state) {
     (void)state;
     uint32_t seed = 52;
     float v[MAX], a[MAX], b[MAX];
@@ -85,8 +85,8 @@ static void rsh_convention_bad_input_is_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_known_function_converts),
-        cmocka_unit_test(there_and_back_is_the_identity),
-        cmocka_unit_test(phase_agrees_with_the_short_call),
+        cmocka_unit_test(converting_there_and_back_changes_nothing),
+        cmocka_unit_test(the_phase_agrees_with_the_short_call),
         cmocka_unit_test(rsh_convention_bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

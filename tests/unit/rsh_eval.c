@@ -51,7 +51,7 @@ static void horizon_is_clamped(void **state) {
     assert_memory_equal(at, below, sizeof at);
 }
 
-static void bad_orders_and_bases_are_refused(void **state) {
+static void unknown_orders_and_bases_are_refused(void **state) {
     (void)state;
     const float w[3] = {0, 0, 1}, zero = 0;
     float y[4] = {7, 7, 7, 7};
@@ -145,7 +145,7 @@ int main(void) {
         cmocka_unit_test(basis_is_orthonormal),
         cmocka_unit_test(band_one_is_geometric),
         cmocka_unit_test(horizon_is_clamped),
-        cmocka_unit_test(bad_orders_and_bases_are_refused),
+        cmocka_unit_test(unknown_orders_and_bases_are_refused),
         cmocka_unit_test(kernels_equal_the_plain_twin),
         cmocka_unit_test(products_take_one_or_three_channels),
         cmocka_unit_test(dot_products_equal_the_plain_twin),

@@ -62,7 +62,7 @@ static void convolution_is_an_integral(void **state) {
     assert_false(rsh_convolve(0, 1, zonal, v, out));
 }
 
-static void phase_flips_odd_m_and_back(void **state) {
+static void the_phase_changes_the_sign_of_odd_m(void **state) {
     (void)state;
     const float v[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9}, want[9] = {1, -2, 3, -4, 5, -6, 7, -8, 9};
     float out[9];
@@ -77,7 +77,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_are_sums),
         cmocka_unit_test(convolution_is_an_integral),
-        cmocka_unit_test(phase_flips_odd_m_and_back),
+        cmocka_unit_test(the_phase_changes_the_sign_of_odd_m),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

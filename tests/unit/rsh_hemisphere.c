@@ -111,7 +111,7 @@ static void rsh_hemisphere_coefficients(const struct rsh_quadrature_quadrature *
 // Reflected radiance of Phong lobes cos^15 up to 60 degrees, aligned, against exact values.
 // Measured: the error of the fast form is .9 and 1.9 % at 3 and 6 degrees, that of the exact form
 // .004 and .009 %.
-static void true_alignment_is_close(void **state) {
+static void exact_alignment_is_close(void **state) {
     (void)state;
     enum { ORDER = 10, N = ORDER * ORDER };
     static struct rsh_quadrature_quadrature q;
@@ -184,7 +184,7 @@ int main(void) {
         cmocka_unit_test(alignment_keeps_the_world),
         cmocka_unit_test(transposed_moves_to_the_other_side),
         cmocka_unit_test(hemisphere_rotates_its_pole),
-        cmocka_unit_test(true_alignment_is_close),
+        cmocka_unit_test(exact_alignment_is_close),
         cmocka_unit_test(extension_keeps_the_hemisphere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -29,7 +29,7 @@ static void expect_tan(const char *parameters, float x) {
     satin_scene_free(scene);
 }
 
-static void scene_camera_field_of_view(void **state) {
+static void the_field_of_view_is_right(void **state) {
     (void)state;
     float t = tanf(30.0f * PI_F / 180.0f);
     expect_tan("<float name='fov' value='60'/>", t);
@@ -44,7 +44,7 @@ static void scene_camera_field_of_view(void **state) {
     expect_tan("<string name='focal_length' value='35 mm'/>", half / 35 / sqrtf(1.25f));
 }
 
-static void rays_of_a_pinhole(void **state) {
+static void rays_of_a_pinhole_start_at_the_eye(void **state) {
     (void)state;
     struct satin_scene *scene = scene_camera_load(
         "<sensor type='perspective'><float name='fov' value='90'/>"
@@ -69,7 +69,7 @@ static void rays_of_a_pinhole(void **state) {
 }
 
 // All rays of a film position meet in the plane of focus, for any position on the lens.
-static void lens_focuses(void **state) {
+static void a_lens_focuses(void **state) {
     (void)state;
     struct satin_scene *scene = scene_camera_load(
         "<sensor type='thinlens'><float name='fov' value='50'/>"
@@ -88,7 +88,7 @@ static void lens_focuses(void **state) {
 }
 
 // Numbers of Mitsuba 3.9.
-static void rays_are_parallel(void **state) {
+static void rays_of_an_orthographic_camera_are_parallel(void **state) {
     (void)state;
     struct satin_scene *scene = scene_camera_load(
         "<sensor type='orthographic'><transform name='to_world'><scale x='3' y='2' z='5'/>"
@@ -106,10 +106,10 @@ static void rays_are_parallel(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scene_camera_field_of_view),
-        cmocka_unit_test(rays_of_a_pinhole),
-        cmocka_unit_test(lens_focuses),
-        cmocka_unit_test(rays_are_parallel),
+        cmocka_unit_test(the_field_of_view_is_right),
+        cmocka_unit_test(rays_of_a_pinhole_start_at_the_eye),
+        cmocka_unit_test(a_lens_focuses),
+        cmocka_unit_test(rays_of_an_orthographic_camera_are_parallel),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -58,7 +58,7 @@ static bool scene_camera_check_matches(const char *pattern, const char *text) {
            strcmp(text + n - after, star + 1) == 0;
 }
 
-static void says_why(void **state) {
+static void each_wrong_camera_has_its_reason(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof scene_camera_check_cases / sizeof *scene_camera_check_cases;
          i++) {
@@ -82,6 +82,6 @@ static void says_why(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(says_why)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(each_wrong_camera_has_its_reason)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -15,7 +15,7 @@ static uint32_t find(bool hidden[TEST_SHAPES]) {
     return found;
 }
 
-static void finds_each_kind(void **state) {
+static void every_kind_of_coincidence_is_found(void **state) {
     (void)state;
     test_scene_init(&scene_coincide_table);
     const uint32_t white = test_diffuse(&scene_coincide_table, .5f, .5f, .5f),
@@ -48,7 +48,7 @@ static void finds_each_kind(void **state) {
     test_scene_free(&scene_coincide_table);
 }
 
-static void leaves_holes_alone(void **state) {
+static void holes_do_not_coincide(void **state) {
     (void)state;
     test_scene_init(&scene_coincide_table);
     const struct mat4 here = test_transform(v3(0, 0, 0), v3(1, 1, 1));
@@ -63,7 +63,7 @@ static void leaves_holes_alone(void **state) {
     test_scene_free(&scene_coincide_table);
 }
 
-static void keeps_what_shines(void **state) {
+static void an_emitter_hides_what_coincides_with_it(void **state) {
     (void)state;
     test_scene_init(&scene_coincide_table);
     const uint32_t white = test_diffuse(&scene_coincide_table, .5f, .5f, .5f);
@@ -78,7 +78,7 @@ static void keeps_what_shines(void **state) {
     test_scene_free(&scene_coincide_table);
 }
 
-static void finds_nothing_among_others(void **state) {
+static void shapes_of_other_sizes_do_not_coincide(void **state) {
     (void)state;
     test_scene_init(&scene_coincide_table);
     const uint32_t white = test_diffuse(&scene_coincide_table, .5f, .5f, .5f);
@@ -95,7 +95,7 @@ static void finds_nothing_among_others(void **state) {
 }
 
 // A thousand spheres, and a group of two with two instances at one position.
-static void warns_once(void **state) {
+static void coincidence_is_reported_once(void **state) {
     (void)state;
     enum { SPHERES = 1000 };
     static char text[SPHERES * 32 + 1024];
@@ -124,9 +124,11 @@ static void warns_once(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_each_kind),   cmocka_unit_test(leaves_holes_alone),
-        cmocka_unit_test(keeps_what_shines), cmocka_unit_test(finds_nothing_among_others),
-        cmocka_unit_test(warns_once),
+        cmocka_unit_test(every_kind_of_coincidence_is_found),
+        cmocka_unit_test(holes_do_not_coincide),
+        cmocka_unit_test(an_emitter_hides_what_coincides_with_it),
+        cmocka_unit_test(shapes_of_other_sizes_do_not_coincide),
+        cmocka_unit_test(coincidence_is_reported_once),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -65,7 +65,7 @@ static void scene_curve_agrees_with_mitsuba(void **state) {
 }
 
 // A straight tube: rays to the outside do not hit it.
-static void scene_curve_rays_leave(void **state) {
+static void rays_leave_curves(void **state) {
     (void)state;
     static const char *const texts[] = {CURVE("bsplinecurve", ""), CURVE("linearcurve", "")};
     scene_case_file("a.txt", "50 0 0 .01\n51 0 0 .02\n52 0 0 .02\n53 0 0 .01\n");
@@ -91,7 +91,7 @@ static void scene_curve_rays_leave(void **state) {
     }
 }
 
-static void scene_curve_refuses(void **state) {
+static void bad_curves_are_refused(void **state) {
     (void)state;
     static const char *const cases[][3] = {
         {"0 0 0 1\n1 0 0", CURVE("linearcurve", ""), "a.txt:2: expected a point: x y z radius"},
@@ -116,7 +116,7 @@ static void scene_curve_refuses(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(scene_curve_agrees_with_mitsuba),
-                                       cmocka_unit_test(scene_curve_rays_leave),
-                                       cmocka_unit_test(scene_curve_refuses)};
+                                       cmocka_unit_test(rays_leave_curves),
+                                       cmocka_unit_test(bad_curves_are_refused)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -37,7 +37,7 @@ static vec3 scene_instance_random_point(const satin_scene *scene, uint64_t i) {
     return v3_add(scene->bounds_lo, v3(size.x * u[0], size.y * u[1], size.z * u[2]));
 }
 
-static void shows_the_same(void **state) {
+static void an_instance_shows_its_group(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *direct = scene_case_load(&c, SCENE_TEXT(SHAPES(MOVED) SHAPES("")));
@@ -86,7 +86,7 @@ static void shows_the_same(void **state) {
 }
 
 // Rays from a convex surface to the outside do not hit it.
-static void scene_instance_rays_leave(void **state) {
+static void rays_leave_instances(void **state) {
     (void)state;
     satin_scene *scene = load_instances();
     int hits = 0;
@@ -126,7 +126,7 @@ static void groups_may_be_empty(void **state) {
     satin_scene_free(scene);
 }
 
-static void scene_instance_refuses(void **state) {
+static void bad_instances_are_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"<shape type='instance'/>", "shape 'instance': it takes one shapegroup"},
@@ -153,7 +153,7 @@ static void scene_instance_refuses(void **state) {
     }
 }
 
-static void merges(void **state) {
+static void merged_shapes_are_shapes_of_the_scene(void **state) {
     (void)state;
     struct scene_case c;
     satin_scene *scene = scene_case_load(
@@ -165,8 +165,8 @@ static void merges(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shows_the_same), cmocka_unit_test(scene_instance_rays_leave),
-        cmocka_unit_test(groups_may_be_empty), cmocka_unit_test(scene_instance_refuses),
-        cmocka_unit_test(merges)};
+        cmocka_unit_test(an_instance_shows_its_group), cmocka_unit_test(rays_leave_instances),
+        cmocka_unit_test(groups_may_be_empty), cmocka_unit_test(bad_instances_are_refused),
+        cmocka_unit_test(merged_shapes_are_shapes_of_the_scene)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -75,7 +75,7 @@ static void check_body(struct test_scene *t, bool convex, int starts) {
     }
 }
 
-static void leaves_surfaces_at_any_scale(void **state) {
+static void rays_leave_surfaces_at_any_scale(void **state) {
     (void)state;
     static const float size[5] = {1.0f, 2.5e5f, 2.5e-3f, 1e-9f, 1e9f};
     static const vec3 position[3] = {{0, 0, 0}, {1, 1, 1}, {40, -70, 5}};
@@ -98,7 +98,7 @@ static void leaves_surfaces_at_any_scale(void **state) {
 }
 
 // A cylinder is open: only rays that leave it outwards cannot hit it.
-static void leaves_cylinders(void **state) {
+static void rays_leave_cylinders(void **state) {
     (void)state;
     static struct test_scene t;
     test_scene_init(&t);
@@ -123,7 +123,7 @@ static void leaves_cylinders(void **state) {
 // Next to the origin a floor of any size has huge triangles and tiny coordinates: an offset that
 // grows with the triangles would leak through objects there, and one that does not would hit the
 // floor again without the check in double.
-static void leaves_huge_floors(void **state) {
+static void rays_leave_huge_floors(void **state) {
     (void)state;
     for (float size = 1.0f; size < 1e8f; size *= 10.0f) {
         static struct test_scene t;
@@ -162,7 +162,7 @@ static struct interaction point_of_sheet(const struct satin_scene *scene,
 
 // Two sheets of any size face each other: every point of one is visible from every point of the
 // other, and the ray ends before the other sheet; a sheet between them hides all.
-static void connects_points(void **state) {
+static void points_are_connected(void **state) {
     (void)state;
     for (int run = 0; run < 6; run++) {
         const int blocked = run & 1;
@@ -194,7 +194,7 @@ static void connects_points(void **state) {
     }
 }
 
-static void shades_by_vertex_normals(void **state) {
+static void shading_is_by_vertex_normals(void **state) {
     (void)state;
     // A triangle whose vertex normals are tilted, and point below the face at one corner.
     const float position[10] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -238,7 +238,7 @@ static void shades_by_vertex_normals(void **state) {
 
 // A point beside an edge goes off it by the margin; at a corner too, as far as the margin allows;
 // one in the middle stays.
-static void moves_off_edges(void **state) {
+static void origins_are_shifted_off_edges(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -262,12 +262,12 @@ static void moves_off_edges(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaves_surfaces_at_any_scale),
-        cmocka_unit_test(leaves_cylinders),
-        cmocka_unit_test(moves_off_edges),
-        cmocka_unit_test(leaves_huge_floors),
-        cmocka_unit_test(connects_points),
-        cmocka_unit_test(shades_by_vertex_normals),
+        cmocka_unit_test(rays_leave_surfaces_at_any_scale),
+        cmocka_unit_test(rays_leave_cylinders),
+        cmocka_unit_test(origins_are_shifted_off_edges),
+        cmocka_unit_test(rays_leave_huge_floors),
+        cmocka_unit_test(points_are_connected),
+        cmocka_unit_test(shading_is_by_vertex_normals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -15,7 +15,7 @@ static struct interaction interaction_facing(vec3 n) {
     return (struct interaction){.ng = n, .frame = frame_from_normal(n), .uv = {0.25f, 0.25f}};
 }
 
-static void sides_and_frames(void **state) {
+static void sides_have_their_frames(void **state) {
     (void)state;
     struct material material = {
         .front.base = {.model = brdf_find("diffuse"), .diffuse = {.2f, .3f, .4f}},
@@ -48,7 +48,7 @@ static void sides_and_frames(void **state) {
     assert_false(scene_brdf(&scene, &s, tilted, &b, &f));  // black
 }
 
-static void textures_replace_slots(void **state) {
+static void textures_replace_the_values_of_slots(void **state) {
     (void)state;
     const struct texture colour = {.kind = TEXTURE_CONSTANT, .value = {.1f, .5f, .9f}};
     const struct texture number = {.kind = TEXTURE_CONSTANT, .value = {.3f, .3f, .3f}};
@@ -108,7 +108,7 @@ static void holes_are_no_components(void **state) {
 }
 
 // A blend lists its components with their weights, and draws them in proportion.
-static void blends_draw_their_parts(void **state) {
+static void blends_draw_their_components(void **state) {
     (void)state;
     const struct texture third = {.kind = TEXTURE_CONSTANT, .value = {1 / 3.f, 1 / 3.f, 1 / 3.f}};
     const struct material_side leaf[3] = {
@@ -252,10 +252,13 @@ static void bumps_and_maps_nest(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blends_draw_their_parts),        cmocka_unit_test(bumps_and_maps_nest),
-        cmocka_unit_test(holes_are_no_components),        cmocka_unit_test(bumps_rotate_the_frame),
-        cmocka_unit_test(bumps_rotate_one_after_another), cmocka_unit_test(sides_and_frames),
-        cmocka_unit_test(textures_replace_slots),
+        cmocka_unit_test(blends_draw_their_components),
+        cmocka_unit_test(bumps_and_maps_nest),
+        cmocka_unit_test(holes_are_no_components),
+        cmocka_unit_test(bumps_rotate_the_frame),
+        cmocka_unit_test(bumps_rotate_one_after_another),
+        cmocka_unit_test(sides_have_their_frames),
+        cmocka_unit_test(textures_replace_the_values_of_slots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -54,7 +54,7 @@ static void fraction_through(const struct satin_scene *scene, float fraction[2])
 static const struct material_side hole = {.holes = true};
 static const struct material_side whole;
 
-static void lets_its_fraction_pass(void **state) {
+static void a_mask_lets_its_fraction_pass(void **state) {
     (void)state;
     const struct material_side mask = scene_opacity_join(&hole, &whole, .3f, NULL),
                                inverted = scene_opacity_join(&whole, &hole, .3f, NULL),
@@ -79,7 +79,7 @@ static void lets_its_fraction_pass(void **state) {
 }
 
 // The texture says where the holes are; a checkerboard that gives a number begins with color1.
-static void follows_its_texture(void **state) {
+static void opacity_follows_its_texture(void **state) {
     (void)state;
     const struct texture white = {.value = {1, 1, 1}}, black = {0};
     const struct texture checks = {
@@ -98,7 +98,7 @@ static void follows_its_texture(void **state) {
 }
 
 // A null surface does not exist for rays, unless it emits light.
-static void null_is_nothing(void **state) {
+static void a_null_material_is_nothing(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -118,9 +118,9 @@ static void null_is_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lets_its_fraction_pass),
-        cmocka_unit_test(follows_its_texture),
-        cmocka_unit_test(null_is_nothing),
+        cmocka_unit_test(a_mask_lets_its_fraction_pass),
+        cmocka_unit_test(opacity_follows_its_texture),
+        cmocka_unit_test(a_null_material_is_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

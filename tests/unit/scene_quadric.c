@@ -26,7 +26,7 @@ static double off_surface(enum shape_kind kind, const struct mat4 *m, vec3 p) {
     return fmax(fabs(r - 1.0), fmax(-l.z, l.z - 1.0));
 }
 
-static void meets_surfaces(void **state) {
+static void rays_hit_quadrics_exactly(void **state) {
     (void)state;
     static const enum shape_kind kinds[3] = {SHAPE_SPHERE, SHAPE_DISK, SHAPE_CYLINDER};
     struct rng rng = rng_make(1, RNG_TEST, 0);
@@ -92,7 +92,7 @@ static void scene_quadric_faces_as_mitsuba(void **state) {
         }
 }
 
-static void refuses_flat_transforms(void **state) {
+static void flat_transforms_are_refused(void **state) {
     (void)state;
     struct shape shape = {.kind = SHAPE_SPHERE};
     struct mat4 flat = mat4_scale(v3(1, 1, 0));
@@ -108,9 +108,9 @@ static void refuses_flat_transforms(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(meets_surfaces),
+        cmocka_unit_test(rays_hit_quadrics_exactly),
         cmocka_unit_test(scene_quadric_faces_as_mitsuba),
-        cmocka_unit_test(refuses_flat_transforms),
+        cmocka_unit_test(flat_transforms_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,7 +36,7 @@ static void scene_shape_faces_as_mitsuba(void **state) {
         }
 }
 
-static void maps_texture_coordinates(void **state) {
+static void texture_coordinates_are_as_in_mitsuba(void **state) {
     (void)state;
     struct arena arena = {0};
     struct mesh_request request = mesh_case_plain();
@@ -56,7 +56,7 @@ static void maps_texture_coordinates(void **state) {
     arena_free(&arena);
 }
 
-static void knows_areas(void **state) {
+static void areas_are_right(void **state) {
     (void)state;
     static struct test_scene t;
     test_scene_init(&t);
@@ -104,8 +104,8 @@ static void bounds_hold_every_shape(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scene_shape_faces_as_mitsuba),
-        cmocka_unit_test(maps_texture_coordinates),
-        cmocka_unit_test(knows_areas),
+        cmocka_unit_test(texture_coordinates_are_as_in_mitsuba),
+        cmocka_unit_test(areas_are_right),
         cmocka_unit_test(bounds_hold_every_shape),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,7 +18,7 @@ static rgb scene_spectrum_convert(const char *text, bool light) {
     return out;
 }
 
-static void converts(void **state) {
+static void spectra_become_colours(void **state) {
     (void)state;
     static const char flat[] = "360:0.5, 830:0.5", slope[] = "400:0.2, 500:0.5, 550 .7,700:0.9";
     scene_spectrum_expect(scene_spectrum_convert(flat, false), .49949262f, .49943683f, .4994008f);
@@ -31,7 +31,7 @@ static void converts(void **state) {
 }
 
 // Mitsuba's spectral mode, summed over wavelengths against the observer.
-static void glows(void **state) {
+static void black_bodies_have_their_colour(void **state) {
     (void)state;
     scene_spectrum_expect(spectrum_blackbody(3000, 360, 830), 733.11077f, 349.56845f, 112.70958f);
     scene_spectrum_expect(spectrum_blackbody(5000, 360, 830), 15263.024f, 12082.561f, 9592.5612f);
@@ -39,6 +39,7 @@ static void glows(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(converts), cmocka_unit_test(glows)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(spectra_become_colours),
+                                       cmocka_unit_test(black_bodies_have_their_colour)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -50,7 +50,7 @@ static void scene_texture_agrees_with_mitsuba(void **state) {
     }
 }
 
-static void transforms_coordinates(void **state) {
+static void coordinates_are_transformed(void **state) {
     (void)state;
     static const vec2 uv[4] = {{.1f, .1f}, {.3f, .1f}, {.1f, .2f}, {.6f, .4f}};
     static const float to_uv[3][6] = {
@@ -63,7 +63,7 @@ static void transforms_coordinates(void **state) {
     }
 }
 
-static void checks_alternate(void **state) {
+static void squares_of_a_checkerboard_alternate(void **state) {
     (void)state;
     const struct texture red = {.value = {1, 0, 0}}, green = {.value = {0, 1, 0}};
     const struct texture t = {
@@ -81,7 +81,7 @@ static void checks_alternate(void **state) {
 
 // Nested textures use the coordinates without change; textures of numbers are exchanged at every
 // depth.
-static void checks_nest(void **state) {
+static void checkerboards_nest(void **state) {
     (void)state;
     const struct texture red = {.value = {1, 0, 0}}, green = {.value = {0, 1, 0}};
     const struct texture picture = scene_texture_bitmap(TEXTURE_REPEAT, true);
@@ -107,7 +107,7 @@ static void checks_nest(void **state) {
 
 // Repetition has period 1, mirroring period 2 and symmetry, clamping is constant outside; and no
 // coordinate, however large, reads outside of the image.
-static void scene_texture_wraps(void **state) {
+static void coordinates_wrap(void **state) {
     (void)state;
     struct rng rng = rng_make(1, RNG_TEST, 0);
     for (int i = 0; i < 20000; i++) {
@@ -134,7 +134,7 @@ static void scene_texture_wraps(void **state) {
 }
 
 // The gradient is that of the interpolation, through the transform of coordinates.
-static void gradients_are_differences(void **state) {
+static void gradients_agree_with_differences(void **state) {
     (void)state;
     const float h = 1e-3f;
     struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, false);
@@ -153,7 +153,7 @@ static void gradients_are_differences(void **state) {
     assert_true(texture_gradient(&t, (vec2){.3f, .3f}).x == 0.0f);
 }
 
-static void reads_three_channels_and_constants(void **state) {
+static void textures_have_three_channels_or_one_value(void **state) {
     (void)state;
     static const float color[6] = {1, 2, 3, 4, 5, 6};
     const struct image two = {2, 1, 3, color};
@@ -171,7 +171,7 @@ static void reads_three_channels_and_constants(void **state) {
 }
 
 // Numbers and colours of corners are interpolated, those of triangles are not.
-static void interpolates_attributes(void **state) {
+static void attributes_are_interpolated(void **state) {
     (void)state;
     static const char heat[] = "vertex_heat", tint[] = "face_color", none[] = "vertex_none";
     static const float at_corner[4] = {1, 2, 4, 8}, of_triangle[6] = {1, 2, 3, 4, 5, 6};
@@ -193,7 +193,7 @@ static void interpolates_attributes(void **state) {
 
 // Wide lookups: a texel of a smaller copy at its own width, the mean of all at the widest, and
 // nothing changes below a texel's width.
-static void averages_over_wide_footprints(void **state) {
+static void wide_footprints_are_averaged(void **state) {
     (void)state;
     enum { W = 13, H = 6 };
     float texels[W * H];
@@ -231,7 +231,7 @@ static void averages_over_wide_footprints(void **state) {
 }
 
 // A factor counts at every depth; a coloured one before the number is computed.
-static void scales(void **state) {
+static void textures_are_scaled_at_every_depth(void **state) {
     (void)state;
     const struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, false);
     const struct texture white = {.value = {1, 1, 1}};
@@ -257,7 +257,7 @@ static void scales(void **state) {
     assert_true(texture_range(&grey, &lo, &hi) && lo == 0.0f && hi == 33.0f);
 }
 
-static void draws_lines(void **state) {
+static void lines_of_a_grid_are_drawn(void **state) {
     (void)state;
     const struct texture black = {.value = {0, 0, 0}}, white = {.value = {1, 1, 1}};
     const struct texture grid = {
@@ -276,7 +276,7 @@ static void draws_lines(void **state) {
     assert_float_equal((float)lines / (SIDE * SIDE), texture_lines(&grid), 1e-6f);
 }
 
-static void wraps_each_axis(void **state) {
+static void each_axis_wraps_for_itself(void **state) {
     (void)state;
     struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, true);
     t.wrap_v = TEXTURE_CLAMP;
@@ -285,18 +285,18 @@ static void wraps_each_axis(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scales),
-        cmocka_unit_test(draws_lines),
-        cmocka_unit_test(wraps_each_axis),
+        cmocka_unit_test(textures_are_scaled_at_every_depth),
+        cmocka_unit_test(lines_of_a_grid_are_drawn),
+        cmocka_unit_test(each_axis_wraps_for_itself),
         cmocka_unit_test(scene_texture_agrees_with_mitsuba),
-        cmocka_unit_test(transforms_coordinates),
-        cmocka_unit_test(checks_alternate),
-        cmocka_unit_test(checks_nest),
-        cmocka_unit_test(scene_texture_wraps),
-        cmocka_unit_test(gradients_are_differences),
-        cmocka_unit_test(reads_three_channels_and_constants),
-        cmocka_unit_test(interpolates_attributes),
-        cmocka_unit_test(averages_over_wide_footprints),
+        cmocka_unit_test(coordinates_are_transformed),
+        cmocka_unit_test(squares_of_a_checkerboard_alternate),
+        cmocka_unit_test(checkerboards_nest),
+        cmocka_unit_test(coordinates_wrap),
+        cmocka_unit_test(gradients_agree_with_differences),
+        cmocka_unit_test(textures_have_three_channels_or_one_value),
+        cmocka_unit_test(attributes_are_interpolated),
+        cmocka_unit_test(wide_footprints_are_averaged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,7 +36,7 @@ static int free_room(void **state) {
     return 0;
 }
 
-static void knows_bounds(void **state) {
+static void bounds_of_the_scene_are_right(void **state) {
     (void)state;
     assert_near3(scene_trace_table.scene.bounds_lo, v3(-10, -10, -10), 1e-5f);
     assert_near3(scene_trace_table.scene.bounds_hi, v3(10, 10, 10), 1e-5f);
@@ -45,7 +45,7 @@ static void knows_bounds(void **state) {
 }
 
 // Values computed by hand for rays perpendicular to each shape.
-static void fills_interactions(void **state) {
+static void interactions_are_complete(void **state) {
     (void)state;
     const struct {
         vec3 from, to, p, ng, u;
@@ -82,7 +82,7 @@ static void fills_interactions(void **state) {
     }
 }
 
-static void queries_agree(void **state) {
+static void queries_agree_with_each_other(void **state) {
     (void)state;
     struct rng rng = rng_make(1, RNG_TEST, 0);
     int hits[5] = {0};
@@ -109,7 +109,7 @@ static void queries_agree(void **state) {
     for (int i = 0; i < 5; i++) assert_true(hits[i] > 50);
 }
 
-static void survives_every_ray(void **state) {
+static void every_ray_is_harmless(void **state) {
     (void)state;
     struct rng rng = rng_make(2, RNG_TEST, 0);
     for (int i = 0; i < 50000; i++) {
@@ -138,7 +138,7 @@ static void survives_every_ray(void **state) {
     }
 }
 
-static void builds_an_empty_scene(void **state) {
+static void an_empty_scene_is_built(void **state) {
     (void)state;
     struct satin_scene empty = {0};
     assert_int_equal(scene_trace_build(&empty, (struct log){0}), SATIN_OK);
@@ -149,7 +149,7 @@ static void builds_an_empty_scene(void **state) {
     scene_trace_free(NULL);
 }
 
-static void refuses_degenerate_shapes(void **state) {
+static void degenerate_shapes_are_refused(void **state) {
     (void)state;
     struct shape flat = {.kind = SHAPE_DISK, .name = "plate"};
     struct satin_scene scene = {.shape = &flat, .shape_count = 1};
@@ -160,7 +160,7 @@ static void refuses_degenerate_shapes(void **state) {
 }
 
 // Texture coordinates per length: the root of the ratio of areas, where it is requested.
-static void measures_the_rate_of_coordinates(void **state) {
+static void the_rate_of_coordinates_is_measured(void **state) {
     (void)state;
     const struct {
         vec3 to;
@@ -181,13 +181,13 @@ static void measures_the_rate_of_coordinates(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(knows_bounds),
-        cmocka_unit_test(fills_interactions),
-        cmocka_unit_test(queries_agree),
-        cmocka_unit_test(survives_every_ray),
-        cmocka_unit_test(measures_the_rate_of_coordinates),
-        cmocka_unit_test(builds_an_empty_scene),
-        cmocka_unit_test(refuses_degenerate_shapes),
+        cmocka_unit_test(bounds_of_the_scene_are_right),
+        cmocka_unit_test(interactions_are_complete),
+        cmocka_unit_test(queries_agree_with_each_other),
+        cmocka_unit_test(every_ray_is_harmless),
+        cmocka_unit_test(the_rate_of_coordinates_is_measured),
+        cmocka_unit_test(an_empty_scene_is_built),
+        cmocka_unit_test(degenerate_shapes_are_refused),
     };
     return cmocka_run_group_tests(tests, make_room, free_room);
 }

@@ -47,7 +47,7 @@ static void near3(const float *a, float x, float y, float z) {
     assert_true(v3_dist2(v3(a[0], a[1], a[2]), v3(x, y, z)) < 1e-8f);
 }
 
-static void plane_has_known_values(void **state) {
+static void a_plane_has_known_values(void **state) {
     (void)state;
     float a[AOV_VALUES];
     struct scene_aovs at;
@@ -71,7 +71,7 @@ static void plane_has_known_values(void **state) {
     assert_true(a[at.first[AOV_SHAPE_INDEX]] == 2.0f);
 }
 
-static void instances_are_alike(void **state) {
+static void instances_have_the_values_of_their_shapes(void **state) {
     (void)state;
 #define ROTATION "<rotate x='1' angle='30'/><rotate y='1' angle='20'/><scale y='.7'/>"
     static const char *const pair[][2] = {
@@ -93,7 +93,7 @@ static void instances_are_alike(void **state) {
 }
 
 // Where the channels alone need dp/du, frames and images do not change.
-static void frames_stay(void **state) {
+static void channels_change_no_frame(void **state) {
     (void)state;
     struct interaction s[2];
     for (int i = 0; i < 2; i++) {
@@ -112,9 +112,9 @@ static void frames_stay(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plane_has_known_values),
-        cmocka_unit_test(instances_are_alike),
-        cmocka_unit_test(frames_stay),
+        cmocka_unit_test(a_plane_has_known_values),
+        cmocka_unit_test(instances_have_the_values_of_their_shapes),
+        cmocka_unit_test(channels_change_no_frame),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-static void numbers_are_strict(void **state) {
+static void numbers_are_read_strictly(void **state) {
     (void)state;
     static const char *const bad[] = {"",    " 1",   "1 ",  "0x10", "inf",   "nan", "1e999",
                                       "1,5", "1.5f", "--1", "e5",   "1e5e5", "."};
@@ -23,7 +23,7 @@ static void numbers_are_strict(void **state) {
     assert_true(text_double("3.", &value) && value == 3);
 }
 
-static void names_are_loose(void **state) {
+static void names_are_compared_loosely(void **state) {
     (void)state;
     assert_true(text_same_name("two-pass", "Two_Pass"));
     assert_false(text_same_name("two", "two-pass"));
@@ -38,7 +38,7 @@ static const char *test_text_nearest(const char *word) {
     return search.best;
 }
 
-static void nearest_names(void **state) {
+static void the_nearest_name_is_suggested(void **state) {
     (void)state;
     assert_string_equal(test_text_nearest("phng"), "phong");
     assert_string_equal(test_text_nearest("pohng"), "phong");
@@ -56,9 +56,9 @@ static void nearest_names(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_are_strict),
-        cmocka_unit_test(names_are_loose),
-        cmocka_unit_test(nearest_names),
+        cmocka_unit_test(numbers_are_read_strictly),
+        cmocka_unit_test(names_are_compared_loosely),
+        cmocka_unit_test(the_nearest_name_is_suggested),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
