@@ -74,7 +74,7 @@ static void numbers_of_rays_differ_by_at_most_four(void **state) {
 }
 
 // Half of the deviation that records of the options' number of rays have needs four times the rays.
-static void rays_reach_the_deviation_of_the_options(void **state) {
+static void rays_give_the_deviation_of_the_options(void **state) {
     (void)state;
     double mean[2] = {0};
     for (int asked = 0; asked < 2; asked++) {
@@ -116,7 +116,7 @@ static void threads_do_not_change_numbers_of_rays(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_of_rays_differ_by_at_most_four),
-        cmocka_unit_test(rays_reach_the_deviation_of_the_options),
+        cmocka_unit_test(rays_give_the_deviation_of_the_options),
         cmocka_unit_test(threads_do_not_change_numbers_of_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -79,7 +79,7 @@ static void check_irradiance(float half_angle, double tolerance) {
 }
 
 // Down to a spot that subtends ten minutes of arc.
-static void irradiance_with_guided_rays_is_right(void **state) {
+static void irradiance_with_cluster_rays_is_right(void **state) {
     (void)state;
     check_irradiance(0.03f, 0.01);
     check_irradiance(0.003f, 0.03);  // the cosine of the light's angle has two digits left
@@ -87,7 +87,7 @@ static void irradiance_with_guided_rays_is_right(void **state) {
 
 // The mean of Lambda and of its derivative along the frame's u, against those of light from one
 // direction.
-static void radiance_with_guided_rays_is_right(void **state) {
+static void radiance_with_cluster_rays_is_right(void **state) {
     (void)state;
     struct gather_cluster_rays_fixture f;
     gather_cluster_rays_start(&f, ORDER, 0.03f);
@@ -132,8 +132,8 @@ static void radiance_with_guided_rays_is_right(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(irradiance_with_guided_rays_is_right),
-        cmocka_unit_test(radiance_with_guided_rays_is_right),
+        cmocka_unit_test(irradiance_with_cluster_rays_is_right),
+        cmocka_unit_test(radiance_with_cluster_rays_is_right),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

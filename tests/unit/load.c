@@ -395,7 +395,7 @@ static void test_load_refuse(const char *error) {
     assert_null(scene);
 }
 
-static void errors_of_scenes_name_their_place(void **state) {
+static void errors_of_scenes_name_their_line(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof load_refusals / sizeof *load_refusals; i++) {
         scene_case_file("scene.xml", load_refusals[i].text);
@@ -468,7 +468,7 @@ int main(void) {
         cmocka_unit_test(lights_are_built),
         cmocka_unit_test(hints_are_kept),
         cmocka_unit_test(the_hash_covers_all_that_is_read),
-        cmocka_unit_test(errors_of_scenes_name_their_place),
+        cmocka_unit_test(errors_of_scenes_name_their_line),
         cmocka_unit_test(bad_files_are_refused),
         cmocka_unit_test(parameters_without_effect_are_reported),
     };

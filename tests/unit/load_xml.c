@@ -12,7 +12,7 @@ static satin_status load_xml_read_text(struct scene_case *c, const char *text,
     return load_xml_read(scene_case_begin(c), "scene.xml", NULL, 0, &hash, xml);
 }
 
-static void elements_keep_their_order_and_places(void **state) {
+static void elements_keep_their_order_and_lines(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
@@ -246,7 +246,7 @@ static const struct load_xml_refusal load_xml_refusals[] = {
      "scene.xml:1:24: cannot read 'none.xml': No such file or directory"},
 };
 
-static void errors_of_xml_name_their_place(void **state) {
+static void errors_of_xml_name_their_line(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof load_xml_refusals / sizeof *load_xml_refusals; i++) {
         struct scene_case c;
@@ -291,14 +291,14 @@ static void substitution_is_bounded(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(elements_keep_their_order_and_places),
+        cmocka_unit_test(elements_keep_their_order_and_lines),
         cmocka_unit_test(the_document_type_is_skipped),
         cmocka_unit_test(entities_are_replaced),
         cmocka_unit_test(entities_are_bounded),
         cmocka_unit_test(parameters_are_substituted),
         cmocka_unit_test(files_are_included),
         cmocka_unit_test(includes_are_bounded),
-        cmocka_unit_test(errors_of_xml_name_their_place),
+        cmocka_unit_test(errors_of_xml_name_their_line),
         cmocka_unit_test(nesting_is_bounded),
         cmocka_unit_test(substitution_is_bounded),
     };

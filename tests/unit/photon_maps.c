@@ -327,7 +327,7 @@ static double flux(const struct photon_trace *trace, double *error) {
 
 // Aimed emission finds the same flux as plain emission, with more photons of the same number of
 // paths.
-static void guided_emission_is_unbiased(void **state) {
+static void aimed_emission_is_unbiased(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
                                             LIGHT_CONSTANT};
@@ -486,7 +486,7 @@ int main(void) {
         cmocka_unit_test(a_furnace_is_uniform),
         cmocka_unit_test(the_sides_of_a_sheet_are_apart),
         cmocka_unit_test(walls_do_not_leak),
-        cmocka_unit_test(guided_emission_is_unbiased),
+        cmocka_unit_test(aimed_emission_is_unbiased),
         cmocka_unit_test(large_wedges_are_aimed_through),
         cmocka_unit_test(without_glass_there_is_no_caustic_pass),
         cmocka_unit_test(empty_maps_are_black),
