@@ -55,7 +55,8 @@ struct gather_worker *gather_workers_new(struct parallel *pool, size_t rays) {
     for (int i = 0; workers && i < count; i++) {
         workers[i].scratch = gather_scratch_new(pool, i);
         workers[i].hemisphere = gather_hemisphere_new(rays);
-        if (workers[i].scratch && workers[i].hemisphere) continue;
+        workers[i].singles = gather_singles_new();
+        if (workers[i].scratch && workers[i].hemisphere && workers[i].singles) continue;
         gather_workers_free(workers, count);
         return NULL;
     }
@@ -66,6 +67,7 @@ void gather_workers_free(struct gather_worker *workers, int count) {
     for (int i = 0; workers && i < count; i++) {
         gather_scratch_free(workers[i].scratch);
         gather_hemisphere_free(workers[i].hemisphere);
+        gather_singles_free(workers[i].singles);
     }
     free(workers);
 }

@@ -44,13 +44,15 @@ static int choose_probes(const struct gather_hits *hits, size_t all, size_t prob
 // The fraction of the probes from which the cone's cluster is visible, among those to which it
 // contributes; 0 if there are none.
 static float probe_cone(const struct gather *g, const struct gather_hits *hits, const size_t *probe,
-                        int probes, struct guide_cone cone) {
+                        int probes, bool single, struct guide_cone cone) {
     int matters = 0, clear = 0;
     for (int i = 0; i < probes; i++) {
         const struct shading_point *y = &hits->hit[probe[i]].point;
         const float rest = rgb_luminance(hits->E[probe[i]]);
         if (!guide_cone_move(&cone, y->interaction.p, y->frame.n)) continue;
-        if (!(cone.E > NEAR_FAINT * (cone.E + rest))) continue;
+        if (single ? !gather_cluster_matters(&cone, rest)
+                   : !(cone.E > NEAR_FAINT * (cone.E + rest)))
+            continue;
         const struct guide_point at = {y->interaction.p, y->frame.n, y->ng};
         clear += guide_cone_visible(g->clusters, g->scene, &cone, &at, (size_t)i);
         matters++;
@@ -61,15 +63,16 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
 void gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
                           struct gather_near *near) {
     size_t probe[GUIDE_PROBES];
+    if (near->kept || near->found == 0 || !g->options->gather_near) return;
     near->count = 0;
-    if (near->found == 0 || !g->options->gather_near) return;
     const int probes = choose_probes(hits, count, probe);
     if (probes == 0) return;
+    near->kept = near->keep;
     if (near->found < 0)
         near->found = guide_cones_around(g->clusters, near->p, near->expected, near->cone);
     for (int c = 0; c < near->found; c++) {
         const struct guide_cone cone = near->cone[c];
-        const float visible = probe_cone(g, hits, probe, probes, cone);
+        const float visible = probe_cone(g, hits, probe, probes, near->keep, cone);
         if (!(visible > 0.0f)) continue;
         near->cone[c] = near->cone[near->count];
         near->cone[near->count] = cone;
@@ -84,8 +87,16 @@ struct choices {
     int count;
 };
 
+// The light that lobes reflect from a cone's cluster, over what a diffuse lobe that reflects all
+// light would reflect.
+static float lobe_factor(const struct shading_point *y, unsigned lobes, vec3 axis) {
+    if (lobes == BRDF_DIFFUSE) return 1.0f;
+    const rgb f = brdf_eval(&y->brdf, y->wo_l, frame_to_local(&y->frame, axis), lobes);
+    return PI_F * rgb_luminance(f);
+}
+
 static void move_cones(const struct gather_near *near, const struct shading_point *y,
-                       struct choices *out) {
+                       unsigned lobes, struct choices *out) {
     out->count = 0;
     out->all = 0.0f;
     for (int c = 0; c < near->count; c++) {
@@ -94,37 +105,63 @@ static void move_cones(const struct gather_near *near, const struct shading_poin
         if (!guide_cone_move(cone, y->interaction.p, y->frame.n) || !(cone->E > 0.0f)) continue;
         // Least variance: in proportion to the standard deviation of one ray into the cone.
         const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
-        out->weight[out->count] = near->visible[c] * deviation;
+        const float weight = near->visible[c] * deviation * lobe_factor(y, lobes, cone->axis);
+        if (!(weight > 0.0f)) continue;
+        out->weight[out->count] = weight;
         out->all += out->weight[out->count++];
     }
+}
+
+// Draws a direction to one of the clusters, with probability `guided`, or by the lobes of y. Sets
+// *out except pdf_w. Returns the density of the direction; 0: there is none.
+static float draw_both(const struct choices *at, float guided, const struct shading_point *y,
+                       unsigned lobes, float u_lobe, vec2 u, struct brdf_sample *out) {
+    int own = -1;  // the cone from which the direction is drawn, even if rounding moves it outside
+    if (u_lobe < guided) {
+        float left = u_lobe / guided * at->all;
+        for (own = 0; own + 1 < at->count && left >= at->weight[own]; own++)
+            left -= at->weight[own];
+        out->wi = frame_to_local(&y->frame, guide_cone_sample(&at->cone[own], u));
+        out->lobe = lobes;
+        if (!(out->wi.z > 0.0f)) return 0.0f;
+    } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u.x, u.y, lobes,
+                            BRDF_RADIANCE, out)) {
+        return 0.0f;
+    }
+    const vec3 w = frame_to_world(&y->frame, out->wi);
+    float density = (1.0f - guided) * brdf_pdf(&y->brdf, y->wo_l, out->wi, lobes);
+    for (int c = 0; c < at->count; c++)
+        if (c == own || guide_cone_holds(&at->cone[c], w))
+            density += guided * at->weight[c] / at->all / (2.0f * PI_F * at->cone[c].versine);
+    if (!(density > 0.0f)) return 0.0f;
+    const rgb f = brdf_eval(&y->brdf, y->wo_l, out->wi, lobes);
+    out->weight = rgb_scale(f, fabsf(out->wi.z) / density);
+    return rgb_black(out->weight) ? 0.0f : density;
 }
 
 bool gather_near_bounce(const struct gather_near *near, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out) {
     struct choices at;
-    move_cones(near, y, &at);
+    move_cones(near, y, BRDF_DIFFUSE, &at);
     if (at.count == 0)
         return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
     const float guided = fminf(at.all / (at.all + E), GUIDED);
-    int own = -1;  // the cone from which the direction is drawn, even if rounding moves it outside
-    if (u_lobe < guided) {
-        float left = u_lobe / guided * at.all;
-        for (own = 0; own + 1 < at.count && left >= at.weight[own]; own++) left -= at.weight[own];
-        out->wi = frame_to_local(&y->frame, guide_cone_sample(&at.cone[own], u));
-        out->lobe = BRDF_DIFFUSE;
-        if (!(out->wi.z > 0.0f)) return false;
-    } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u.x, u.y,
-                            BRDF_DIFFUSE, BRDF_RADIANCE, out)) {
-        return false;
-    }
-    const vec3 w = frame_to_world(&y->frame, out->wi);
+    if (!(draw_both(&at, guided, y, BRDF_DIFFUSE, u_lobe, u, out) > 0.0f)) return false;
     out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
-    float density = (1.0f - guided) * out->pdf_w;
-    for (int c = 0; c < at.count; c++)
-        if (c == own || guide_cone_holds(&at.cone[c], w))
-            density += guided * at.weight[c] / at.all / (2.0f * PI_F * at.cone[c].versine);
+    return true;
+}
+
+bool gather_near_sample(const struct gather_near *near, const struct shading_point *p,
+                        unsigned lobes, float E, float u_lobe, vec2 u, struct brdf_sample *out) {
+    struct choices at;
+    move_cones(near, p, lobes, &at);
+    if (at.count == 0)
+        return brdf_sample(&p->brdf, p->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, out);
+    float rest = E;
+    if (lobes != BRDF_DIFFUSE) rest *= rgb_luminance(brdf_albedo(&p->brdf, p->wo_l, lobes));
+    const float guided = fminf(at.all / (at.all + rest), GUIDED);
+    const float density = draw_both(&at, guided, p, lobes, u_lobe, u, out);
     if (!(density > 0.0f)) return false;
-    const rgb f = brdf_eval(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
-    out->weight = rgb_scale(f, fabsf(out->wi.z) / density);
-    return !rgb_black(out->weight);
+    out->pdf_w = density;
+    return true;
 }

@@ -35,10 +35,13 @@ struct gather_near {
     float visible[GUIDE_CONES];  // fraction of the near hits from which it is visible, never 0
     int found;                   // number of cones around the site; negative: not searched yet
     int count;                   // number of those that contribute to the hits, first in `cone`
+    bool keep;  // for single rays: the clusters that matter to the first hits that are near are
+                // those of all further hits
+    bool kept;  // these have been found
 };
 
 // Finds the clusters around the site that contribute to those of the first `count` hits that are
-// near it. E and radius of the hits must be known.
+// near it. E and radius of the hits must be known. Nothing changes if near->kept.
 void gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
                           struct gather_near *near);
 
@@ -47,6 +50,15 @@ void gather_near_clusters(const struct gather *g, const struct gather_hits *hits
 // Otherwise as brdf_sample; pdf_w is that of the lobe alone, for MIS with light samples.
 bool gather_near_bounce(const struct gather_near *near, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out);
+
+// Does what gather_near_bounce does, by any smooth lobes of a point to whose surroundings `near`
+// belongs. pdf_w is the density of the direction.
+bool gather_near_sample(const struct gather_near *near, const struct shading_point *p,
+                        unsigned lobes, float E, float u_lobe, vec2 u, struct brdf_sample *out);
+
+// Whether single rays are guided to a cone's cluster from a point that it was moved to, where the
+// irradiance by other light is `rest` (gather_single.c).
+bool gather_cluster_matters(const struct guide_cone *cone, float rest);
 
 // As gather_rays, with guided bounces from hits near the site of `near`. NULL: no bounces are
 // guided.

@@ -145,8 +145,8 @@ int guide_cones_from(const struct guide_clusters *clusters, const struct satin_s
 // irradiance there. Returns 0 if `clusters` is NULL.
 int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expected,
                        struct guide_cone out[GUIDE_CONES]);
-// Sets axis, versine, E and filled to those at p with normal n, without testing occlusion; E is 0
-// below the horizon. False if p is so near to the sphere that the cone would be wide.
+// Sets axis, versine, E, chance and filled to those at p with normal n, without testing occlusion;
+// E is 0 below the horizon. False if p is so near to the sphere that the cone would be wide.
 bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n);
 // Whether probe i of the GUIDE_PROBES of the cone's cluster is visible from the point.
 enum { GUIDE_PROBES = 4 };

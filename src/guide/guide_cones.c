@@ -35,13 +35,14 @@ static void aim_cone(struct guide_cone *cone, vec3 p) {
     cone->versine = sqrf(sine) / (1.0f + safe_sqrtf(1.0f - sqrf(sine)));
 }
 
-// Sets E and filled of a cone whose axis is set, at `distance` from its centre and with `cosine` to
-// the normal.
+// Sets E, chance and filled of a cone whose axis is set, at `distance` from its centre and with
+// `cosine` to the normal.
 static void estimate_cone(struct guide_cone *cone, float distance, float cosine) {
     const struct guide_cluster *node = cone->cluster;
     const float diverging = 1.0f - v3_len(node->normal);
     const float facing = clampf(diverging - v3_dot(node->normal, cone->axis), 0.0f, 1.0f);
     cone->E = node->power * cosine * facing / (PI_F * sqrf(distance));
+    cone->chance = cone->E / node->power * node->area;
     cone->filled = facing * node->area / (2.0f * PI_F * cone->versine * sqrf(distance));
 }
 
@@ -79,7 +80,6 @@ static bool make_cone(const struct guide_clusters *clusters, const struct satin_
     *out = (struct guide_cone){.cluster = node, .centre = node->centre, .radius = node->radius};
     aim_cone(out, at->p);
     estimate_cone(out, distance, fmaxf(v3_dot(d, at->n) / distance, 0.25f * sine));
-    out->chance = out->E / node->power * node->area;
     if (!(out->E > 0.0f)) return false;
     int clear = 0;
     for (size_t i = 0; i < GUIDE_PROBES; i++) clear += sees_photon(clusters, scene, node, at, i);

@@ -95,6 +95,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t tile = begin; tile < end; tile++) {
         int x0 = (int)(tile % (size_t)pass->columns) * TILE;
         int y0 = (int)(tile / (size_t)pass->columns) * TILE;
+        shade_tile_begin(&pass->worker[worker]);
         for (int y = y0; y < y0 + TILE && y < image->height; y++)
             for (int x = x0; x < x0 + TILE && x < image->width; x++) {
                 size_t at = (size_t)y * (size_t)image->width + (size_t)x;

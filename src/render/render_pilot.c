@@ -24,6 +24,7 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
         int column = (int)(i % (size_t)pilot->columns), row = (int)(i / (size_t)pilot->columns);
         int x = (int)((int64_t)(2 * column + 1) * o->width / (2 * pilot->columns));
         int y = (int)((int64_t)(2 * row + 1) * o->height / (2 * pilot->rows));
+        shade_tile_begin(&pilot->worker[worker]);
         shade_pixel_begin(&pilot->worker[worker]);
         while (pixel->count < pixel->target) {
             struct shade_sample s;

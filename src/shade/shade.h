@@ -86,6 +86,11 @@ struct shade_worker {
     struct shade_pixel_cache pixel_cache;  // of the current pixel
 };
 
+// To be called before the first pixel of an image tile in each pass, as no other tile may influence
+// its samples.
+static inline void shade_tile_begin(struct shade_worker *worker) {
+    gather_singles_begin(worker->gather.singles);
+}
 // Empties the per-pixel cache. To be called before the first sample of a pixel in each pass.
 static inline void shade_pixel_begin(struct shade_worker *worker) {
     worker->pixel_cache.count = worker->pixel_cache.next = 0;

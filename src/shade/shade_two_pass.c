@@ -91,6 +91,7 @@ enum { MISSING_DIMENSION = 16 };  // of the sampler, beyond those of sampled lob
 
 // How lobes are sampled by gather rays.
 struct lobe_sampling {
+    struct gather_single *area;  // whose photon clusters rays and bounces are aimed at; NULL: none
     unsigned lobes;
     int count;           // number of rays
     float ratio;         // number of BRDF samples per light sample; 0: rays do not find lights
@@ -115,6 +116,18 @@ static rgb diffuse_weight(const struct shading_point *p, const struct brdf_sampl
     return rgb_scale(f, fabsf(b->wi.z) / b->pdf_w);
 }
 
+// Draws the sample of this index at the point.
+static bool draw_sample(const struct shade_job *job, const struct lobe_sampling *by, uint32_t index,
+                        struct brdf_sample *out) {
+    const struct shading_point *p = &job->vertex->point;
+    struct sampler u = {index, job->sampler.seed, job->sampler.dimension + by->dimension};
+    const vec2 uv = sampler_2d(&u);
+    const float u_lobe = sampler_1d(&u);
+    if (!by->area)
+        return brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, by->lobes, BRDF_RADIANCE, out);
+    return gather_single_sample(by->area, p, by->lobes, u_lobe, uv, out);
+}
+
 // Draws gather rays. Returns the number of those that did not fail.
 static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by,
                      struct drawn_rays *out) {
@@ -122,18 +135,14 @@ static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by
     const satin_options *o = job->shade->g->options;
     int rays = 0;
     for (int i = 0; i < by->count; i++) {
-        struct sampler u = {job->sampler.index * (uint32_t)by->count + (uint32_t)i,
-                            job->sampler.seed, job->sampler.dimension + by->dimension};
+        const uint32_t index = job->sampler.index * (uint32_t)by->count + (uint32_t)i;
         struct brdf_sample b;
-        vec2 uv = sampler_2d(&u);
-        float u_lobe = sampler_1d(&u);
-        if (!brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, by->lobes, BRDF_RADIANCE, &b))
-            continue;
+        if (!draw_sample(job, by, index, &b)) continue;
         const vec3 d = frame_to_world(&p->frame, b.wi);
         const float width = fminf(1.0f / sqrtf(b.pdf_w * (float)by->count), SPREAD_MAX);
         out->ray[rays] = (struct gather_ray){
             .ray = scene_spawn(job->shade->g->scene, p->interaction.p, p->interaction.ng, d),
-            .item = u.index,
+            .item = index,
             .spread = o->texture_filter ? width : 0.0f,
             .pdf_w = o->denoise ? b.pdf_w : 0.0f,
             .lit = &p->interaction.p};
@@ -151,7 +160,11 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
     struct drawn_rays drawn;  // not initialised as a whole, as few are used
     const int rays = draw_rays(job, by, &drawn);
     job->worker->counts.rays += (uint64_t)rays;
-    gather_rays(g, job->worker->gather.scratch, drawn.ray, (size_t)rays, by->stream);
+    const struct gather_worker *w = &job->worker->gather;
+    if (!by->area)
+        gather_rays(g, w->scratch, drawn.ray, (size_t)rays, by->stream);
+    else
+        gather_single_rays(g, w->scratch, by->area, drawn.ray, (size_t)rays, by->stream);
     rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
         const struct gather_ray *ray = &drawn.ray[i];
@@ -177,8 +190,14 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
 
 // Adds indirect light where no record is near.
 static void sample_missing(struct shade_job *job, unsigned lobes) {
-    const struct lobe_sampling by = {lobes, job->shade->missing_rays, 0.0f, MISSING_DIMENSION,
-                                     rng_mix(job->pixel_stream + 1)};
+    const struct shade_vertex *v = job->vertex;
+    const struct lobe_sampling by = {
+        gather_single_find(job->shade->g, &v->point, v->pixel, job->worker->gather.singles),
+        lobes,
+        job->shade->missing_rays,
+        0.0f,
+        MISSING_DIMENSION,
+        rng_mix(job->pixel_stream + 1)};
     sample_lobes(job, &by);
     job->worker->counts.gathered++;
 }
@@ -253,8 +272,8 @@ void shade_vertex_two_pass(struct shade_job *job) {
     else if (plan.diffuse && !diffuse_cached(job, value))
         sample_missing(job, plan.diffuse);
     if (plan.sampled) {
-        const struct lobe_sampling by = {plan.sampled, o->glossy_samples, ratio, 0,
-                                         job->pixel_stream};
+        const struct lobe_sampling by = {NULL, plan.sampled,     o->glossy_samples, ratio,
+                                         0,    job->pixel_stream};
         sample_lobes(job, &by);
     }
     const struct photon_beside beside = {added_luminance(job) - before, u_caustic};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Indirect light of a glossy room without records: samples by single gather rays have the mean of
-// the samples that gather over hemispheres, in each layer.
+// the samples that gather over hemispheres, in each layer, and rays to photon clusters that of rays
+// by the lobes.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,22 +9,31 @@
 #include <stdio.h>
 
 #include <cmocka.h>
+#include <math.h>
 
 #include "photon_case.h"
 #include "scene_case.h"
 #include "shade/shade.h"
 
-// A box of 2 x 2 x 2 with a lamp, seen from within.
-static const char SHADE_TWO_PASS_SCENE[] =
-    "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='60'/>"
-    "<transform name='to_world'><lookat origin='.1, -.8, .2' target='.2, 1, -.4' up='0, 0, 1'/>"
-    "</transform><film type='hdrfilm'><integer name='width' value='2'/>"
-    "<integer name='height' value='2'/><rfilter type='box'/></film></sensor>"
-    "<shape type='cube'><boolean name='flip_normals' value='true'/><bsdf type='phong'>"
-    "<rgb name='diffuse_reflectance' value='.3, .4, .5'/>"
-    "<rgb name='specular_reflectance' value='.3, .2, .1'/><float name='exponent' value='8'/>"
-    "</bsdf></shape><emitter type='point'><point name='position' x='.3' y='.2' z='.5'/>"
+// A box of 2 x 2 x 2, seen from within, without its lamp.
+#define SHADE_TWO_PASS_BOX                                                                       \
+    "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='60'/>"           \
+    "<transform name='to_world'><lookat origin='.1, -.8, .2' target='.2, 1, -.4' up='0, 0, 1'/>" \
+    "</transform><film type='hdrfilm'><integer name='width' value='2'/>"                         \
+    "<integer name='height' value='2'/><rfilter type='box'/></film></sensor>"                    \
+    "<shape type='cube'><boolean name='flip_normals' value='true'/><bsdf type='phong'>"          \
+    "<rgb name='diffuse_reflectance' value='.3, .4, .5'/>"                                       \
+    "<rgb name='specular_reflectance' value='.3, .2, .1'/><float name='exponent' value='8'/>"    \
+    "</bsdf></shape>"
+static const char SHADE_TWO_PASS_POINT[] = SHADE_TWO_PASS_BOX
+    "<emitter type='point'><point name='position' x='.3' y='.2' z='.5'/>"
     "<rgb name='intensity' value='1, 1, 1'/></emitter></scene>";
+// A spot of light on a wall, some centimetres wide.
+static const char SHADE_TWO_PASS_SPOT[] = SHADE_TWO_PASS_BOX
+    "<emitter type='spot'><transform name='to_world'>"
+    "<lookat origin='.3, .2, .5' target='1, .3, .6' up='0, 0, 1'/></transform>"
+    "<float name='cutoff_angle' value='5'/><rgb name='intensity' value='100, 100, 100'/></emitter>"
+    "</scene>";
 
 enum { SAMPLES = 1 << 14 };
 
@@ -35,9 +45,9 @@ struct shade_two_pass_room {
     struct cache_tables tables;
 };
 
-static void shade_two_pass_make(struct shade_two_pass_room *room) {
+static void shade_two_pass_make(struct shade_two_pass_room *room, const char *xml) {
     struct scene_case c;
-    *room = (struct shade_two_pass_room){.scene = scene_case_load(&c, SHADE_TWO_PASS_SCENE),
+    *room = (struct shade_two_pass_room){.scene = scene_case_load(&c, xml),
                                          .options = satin_options_default};
     if (!room->scene) fail_msg("%s", c.error);
     satin_options *o = &room->options;
@@ -62,57 +72,96 @@ static void destroy(struct shade_two_pass_room *room) {
     satin_scene_free(room->scene);
 }
 
-// The mean layers of a pixel without records, and the number of gather rays per sample.
-static double mean_layers(const struct shade_two_pass_room *room, const satin_options *o,
-                          double *layer) {
+// What a pixel without records shows: its mean layers, the standard deviations of one sample, and
+// the number of gather rays per sample.
+struct shade_two_pass_pixel {
+    double layer[SHADE_LAYERS], deviation[SHADE_LAYERS], rays;
+};
+
+static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_two_pass_room *room,
+                                                           const satin_options *o) {
+    struct shade_two_pass_pixel out = {0};
     const struct gather g = gather_make(room->scene, o, room->maps);
     struct shade shade;
     assert_int_equal(
         shade_init(&shade, &g, &room->tables, NULL, render_budget_missing_rays(o), room->pool),
         SATIN_OK);
     struct shade_worker worker = {.gather = shade.worker[0]};
-    for (int i = 0; i < SHADE_LAYERS; i++) layer[i] = 0.0;
     shade_pixel_begin(&worker);
     for (uint32_t i = 0; i < SAMPLES; i++) {
         struct shade_sample s;
         shade_pixel(&shade, &worker, 0, 1, i, (struct gather_lights){1, i}, &s);
         assert_true(shade_sample_finite(&s));
-        for (int k = 0; k < SHADE_EMISSION; k++)
-            layer[k] += (double)rgb_luminance(s.layer[k]) / SAMPLES;
+        for (int k = 0; k < SHADE_EMISSION; k++) {
+            const double L = (double)rgb_luminance(s.layer[k]);
+            out.layer[k] += L / SAMPLES;
+            out.deviation[k] += L * L / SAMPLES;
+        }
         // No light is from records.
         const rgb rest = rgb_sub(s.beauty, s.uncached);
         assert_true(fabsf(rgb_luminance(rest)) <= 1e-5f * rgb_luminance(s.beauty));
     }
+    for (int k = 0; k < SHADE_EMISSION; k++)
+        out.deviation[k] = sqrt(out.deviation[k] - out.layer[k] * out.layer[k]);
     shade_destroy(&shade);
-    return (double)worker.counts.rays / SAMPLES;
+    out.rays = (double)worker.counts.rays / SAMPLES;
+    return out;
 }
 
 static void single_rays_have_the_mean_of_hemispheres(void **state) {
     (void)state;
     struct shade_two_pass_room room;
-    shade_two_pass_make(&room);
-    double single[SHADE_LAYERS], hemisphere[SHADE_LAYERS];
+    shade_two_pass_make(&room, SHADE_TWO_PASS_POINT);
     // One ray per sample with a time limit, else eight.
     satin_options timed = room.options, off = room.options;
     timed.time = 1.0;
-    assert_true(mean_layers(&room, &timed, single) <= 1.0);
-    const double rays = mean_layers(&room, &room.options, single);
+    const struct shade_two_pass_pixel single = shade_two_pass_pixel_of(&room, &timed);
+    assert_true(single.rays <= 1.0);
+    const double rays = shade_two_pass_pixel_of(&room, &room.options).rays;
     assert_true(rays > 7.5 && rays <= 8.0);
-    mean_layers(&room, &timed, single);
     off.irradiance_cache = off.radiance_cache = false;
     cache_tables_free(&room.tables);
-    assert_true(mean_layers(&room, &off, hemisphere) > 8.0);
+    const struct shade_two_pass_pixel hemisphere = shade_two_pass_pixel_of(&room, &off);
+    assert_true(hemisphere.rays > 8.0);
     for (int i = SHADE_INDIRECT_DIFFUSE; i <= SHADE_INDIRECT_GLOSSY; i++) {
-        print_message("%f by single rays, %f by hemispheres\n", single[i], hemisphere[i]);
+        print_message("%f by single rays, %f by hemispheres\n", single.layer[i],
+                      hemisphere.layer[i]);
         // The noise of 16384 samples is .5 to 1 %.
-        assert_true(hemisphere[i] > 0.01 && fabs(single[i] / hemisphere[i] - 1.0) < 0.03);
+        assert_true(hemisphere.layer[i] > 0.01 &&
+                    fabs(single.layer[i] / hemisphere.layer[i] - 1.0) < 0.03);
     }
+    destroy(&room);
+}
+
+// The light of a spot that few rays hit, reflected by the diffuse and by the glossy lobe.
+static void rays_to_clusters_have_the_mean_and_less_noise(void **state) {
+    (void)state;
+    struct shade_two_pass_room room;
+    shade_two_pass_make(&room, SHADE_TWO_PASS_SPOT);
+    satin_options alone = room.options;
+    alone.guide_clusters = false;
+    const struct shade_two_pass_pixel with = shade_two_pass_pixel_of(&room, &room.options);
+    const struct shade_two_pass_pixel without = shade_two_pass_pixel_of(&room, &alone);
+    for (int i = SHADE_INDIRECT_DIFFUSE; i <= SHADE_INDIRECT_GLOSSY; i++) {
+        const double noise = hypot(with.deviation[i], without.deviation[i]) / sqrt(SAMPLES);
+        print_message("%f +- %f guided, %f +- %f by the lobes alone\n", with.layer[i],
+                      with.deviation[i], without.layer[i], without.deviation[i]);
+        assert_true(with.layer[i] > 0.001);
+        // The seeds are fixed; four standard deviations.
+        assert_true(fabs(with.layer[i] - without.layer[i]) < 4.0 * noise);
+    }
+    // The glossy lobe reflects little of the spot.
+    assert_true(with.deviation[SHADE_INDIRECT_DIFFUSE] <
+                0.5 * without.deviation[SHADE_INDIRECT_DIFFUSE]);
+    assert_true(with.deviation[SHADE_INDIRECT_GLOSSY] <
+                1.5 * without.deviation[SHADE_INDIRECT_GLOSSY]);
     destroy(&room);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(single_rays_have_the_mean_of_hemispheres),
+        cmocka_unit_test(rays_to_clusters_have_the_mean_and_less_noise),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

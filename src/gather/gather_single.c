@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Single gather rays, of samples near which no record is. Few rays by the BRDF alone hit
+// a small bright cluster of photons so rarely that one hit outshines its pixel. Therefore some of
+// them go to the clusters that are visible from the point, and so do the bounces of those whose hit
+// is near it. The clusters are found once for neighbouring points; the balance heuristic [Veach and
+// Guibas 1995] weights both kinds of rays, so that the mean is the same.
+#include <stdlib.h>
+
+#include "gather/gather_near.h"
+
+// Clusters get rays only if without them they add more than this to the variance of one ray over
+// the squared mean, which for other light is about 1.
+static const float VARIANCE_LEAST = 0.02f;
+
+// A cluster that is not visible from the first point may be visible from others near it: its least
+// weight, over that of one that is wholly visible.
+static const float SINGLE_VISIBLE_LEAST = 0.05f;
+
+// Points within this many pixels have their clusters in common, if the angle between their normals
+// is small. What is visible differs little between them, and cones are moved to each point.
+static const float COMMON_PIXELS = 4.0f, COMMON_COSINE = 0.95f;
+
+// The clusters around a surface point: those that are visible from there, and those to which
+// bounces from near hits are guided.
+struct gather_single {
+    vec3 n;
+    struct gather_near to, near;
+};
+
+enum { AREAS = 8 };  // areas that the samples of a row of pixels alternate between
+struct gather_singles {
+    int count, next;
+    struct gather_single area[AREAS];
+};
+
+struct gather_singles *gather_singles_new(void) {
+    return calloc(1, sizeof(struct gather_singles));
+}
+
+void gather_singles_free(struct gather_singles *areas) { free(areas); }
+
+void gather_singles_begin(struct gather_singles *areas) { areas->count = areas->next = 0; }
+
+bool gather_cluster_matters(const struct guide_cone *cone, float rest) {
+    return sqrf(cone->E) > VARIANCE_LEAST * cone->chance * sqrf(cone->E + rest);
+}
+
+// The fraction of the cone's cluster that is visible from the point; 0 if it gets no rays.
+static float visible_fraction(const struct gather *g, struct guide_cone cone,
+                              const struct guide_point *at, float expected) {
+    int clear = 0;
+    if (!guide_cone_move(&cone, at->p, at->n) || !gather_cluster_matters(&cone, expected))
+        return 0.0f;
+    for (size_t i = 0; i < GUIDE_PROBES; i++)
+        clear += guide_cone_visible(g->clusters, g->scene, &cone, at, i);
+    return fmaxf((float)clear / GUIDE_PROBES, SINGLE_VISIBLE_LEAST);
+}
+
+static void find_clusters(const struct gather *g, const struct shading_point *p,
+                          struct gather_single *area) {
+    const struct guide_point at = {p->interaction.p, p->frame.n, p->ng};
+    struct gather_near *to = &area->to, *near = &area->near;
+    area->n = at.n;
+    to->count = near->found = near->count = 0;
+    near->discs = GATHER_NEAR_DISCS;
+    near->p = at.p;
+    near->expected = 0.0f;
+    near->keep = true;
+    near->kept = false;
+    if (!g->options->guide_clusters || !g->clusters) return;
+    float radius;
+    near->expected =
+        rgb_luminance(photon_irradiance(g->maps, g->scene, at.p, at.ng, &radius, NULL));
+    near->found = guide_cones_around(g->clusters, at.p, near->expected, near->cone);
+    for (int c = 0; c < near->found; c++) {
+        const float visible = visible_fraction(g, near->cone[c], &at, near->expected);
+        if (!(visible > 0.0f)) continue;
+        to->cone[to->count] = near->cone[c];
+        to->visible[to->count++] = visible;
+    }
+}
+
+struct gather_single *gather_single_find(const struct gather *g, const struct shading_point *p,
+                                         float pixel, struct gather_singles *areas) {
+    for (int i = 0; i < areas->count; i++) {
+        struct gather_single *area = &areas->area[i];
+        if (v3_dot(area->n, p->frame.n) > COMMON_COSINE &&
+            v3_dist2(area->near.p, p->interaction.p) < sqrf(COMMON_PIXELS * pixel))
+            return area;
+    }
+    struct gather_single *area = &areas->area[areas->next];
+    areas->next = (areas->next + 1) % AREAS;
+    if (areas->count < AREAS) areas->count++;
+    find_clusters(g, p, area);
+    return area;
+}
+
+bool gather_single_sample(const struct gather_single *area, const struct shading_point *p,
+                          unsigned lobes, float u_lobe, vec2 u, struct brdf_sample *out) {
+    return gather_near_sample(&area->to, p, lobes, area->near.expected, u_lobe, u, out);
+}
+
+void gather_single_rays(const struct gather *g, struct gather_scratch *scratch,
+                        struct gather_single *area, struct gather_ray *rays, size_t count,
+                        uint64_t stream) {
+    gather_rays_guided(g, scratch, rays, count, stream, &area->near);
+}
