@@ -27,7 +27,7 @@ TREE = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = "bench/results/"
 STAMPS = RESULTS + "stamps.tsv"
 HARMONICS = ["src/rsh/*.[ch]", "src/rsh/rsh_tables.py"]
-# Of each table: its file, the command that prints it, the code that decides it.
+# The file of each table, the command that prints it, and the code that decides it.
 TABLES = {
     "fig_5_5": ("fig_5_5.tsv", "build/bench/fig_5_5", [*HARMONICS, "bench/fig_5_5.c"]),
     "fig_5_6": ("fig_5_6.md", "build/bench/fig_5_6 data/scenes/vase.xml build 256 10",

@@ -145,10 +145,10 @@ def bump():
 
 def waves_image(size=32):
     """Crossed waves of one period as a grey image in plain bytes."""
-    level = [int(127.5 + 60 * (math.sin(2 * math.pi * (x + 0.5) / size) +
+    grey = [int(127.5 + 60 * (math.sin(2 * math.pi * (x + 0.5) / size) +
                                math.sin(2 * math.pi * (y + 0.5) / size)))
              for y in range(size) for x in range(size)]
-    return b"P6\n%d %d\n255\n" % (size, size) + b"".join(struct.pack("3B", v, v, v) for v in level)
+    return b"P6\n%d %d\n255\n" % (size, size) + b"".join(struct.pack("3B", v, v, v) for v in grey)
 
 
 def storeys():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes of the figures that compare ways to place records: generate.py writes them to
+"""Scenes of the figures that compare ways to distribute records: generate.py writes them to
 scenes/figures, bench/fig_*.py render them. They are like those of the thesis that the figures are
 numbered after, with geometry of their own, and as many bounces: one indirect on the metal floor,
 four of teapot and hall.

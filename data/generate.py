@@ -182,7 +182,7 @@ def furnace_box(rho):
                area_light(1 - rho, 1 - rho, 1 - rho)))
 
 
-def furnace_sphere(place, x):
+def furnace_sphere(where, x):
     """A point light of 1 W/sr in a sphere of radius 1 and albedo 1/2."""
     exact = ("direct radiance 1/(2 pi), indirect 1/(2 pi), together 1/pi = 0.318310." if x == 0 else
              "indirect radiance 1/(2 pi) = 0.159155 everywhere; direct\n"
@@ -191,7 +191,7 @@ def furnace_sphere(place, x):
                                                          "y": "0", "z": "0"}),
                    rgb("intensity", 1, 1, 1))
     return scene(
-        f"Inside of a diffuse sphere of radius 1, albedo 0.5, point light of 1 W/sr {place} the\n"
+        f"Inside of a diffuse sphere of radius 1, albedo 0.5, point light of 1 W/sr {where} the\n"
         f"     centre. Exact: {exact}",
         sensor((0.2, 0.1, 0.7), (-0.1, 0, -1), 70),
         diffuse("wall", 0.5, 0.5, 0.5),

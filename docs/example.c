@@ -35,7 +35,7 @@ int main(int argc, char **argv) {
     }
     struct session session = {.limit = argc > 2 ? atof(argv[2]) : 3600.0};
 
-    // A failed call has logged the reason, with its place in the scene.
+    // A failed call has logged the reason, with its line in the scene.
     satin_scene *scene = NULL;
     if (satin_scene_load(argv[1], NULL, 0, on_message, NULL, &scene) != SATIN_OK) return 1;
 

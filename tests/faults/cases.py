@@ -15,7 +15,7 @@ TIME_LIMIT = 300  # s; the slowest scenario takes .5 on an idle machine
 Scenario = collections.namedtuple("Scenario", "arguments before stride")
 
 RENDER = ["render", "room.xml", "-o", "out.exr", "--threads", "1", "-q"]
-# The fast ones first: a site is tried in the first scenario that has it.
+# The fast ones come first, because a site is tried in the first scenario that has it.
 SCENARIOS = {
     "path": Scenario(["render", "shelf.xml", "-o", "out.exr", "--threads", "1", "-q",
                       "--integrator", "path", "-D", "spp=2"], [], 1),
@@ -82,5 +82,5 @@ def normalised(path, data=None):
         if path.suffix == ".json":
             return read_statistics(data)
     except (ValueError, IndexError, struct.error):
-        pass  # a broken file, which is like no other
+        pass  # a broken file that is like no other
     return data

@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { FUZZ_PATH = 64 };
 
-// Ends the process, with the place and the text of the condition that does not hold.
+// Ends the process, with the line and the text of the condition that does not hold.
 #define FUZZ_REQUIRE(good) ((good) ? (void)0 : fuzz_fail(__LINE__, #good))
 
 static inline void fuzz_fail(int line, const char *text) {

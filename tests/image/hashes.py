@@ -10,7 +10,7 @@ differ and exits 1 if there are any.
 
 Every scene is rendered by three integrators at 48x48, by two passes at quality draft. The larger
 images are for what these do not show: the other two qualities, batches of more records than the
-least (from 16384 sites of a level on) and the records of further bounces. One program takes 40
+least (from 16384 sites at a time on) and the records of further bounces. One program takes 40
 seconds on two free cores.
 """
 import argparse
@@ -24,10 +24,10 @@ import tempfile
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "data/scenes"
 COMMON = ["--spp", "4", "--threads", "1", "--quiet"]
-# Of every scene: sides of the image, and options.
+# The sides of the image and the options with which every scene is rendered.
 SMALL = [(48, "--integrator two-pass --quality draft"), (48, "--integrator path"),
          (48, "--integrator photons --quality draft")]
-# Scenes, sides and options; the slowest first, so that all cores are used until the end.
+# Scenes, sides and options. The slowest come first, so that all cores are used until the end.
 LARGER = [("cases/metal-room.xml", 96, "--quality production"),
           ("cases/window.xml", 96, "--quality preview"), ("vase.xml", 96, "--quality preview"),
           ("cornell-glossy.xml", 96, "--quality preview"),

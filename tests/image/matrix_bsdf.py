@@ -49,7 +49,7 @@ LOBES = text("lobes", "-1 -1 1 8 0.4 0.4 0.3  -0.7 -0.9 1.02 3 0.1 0.1 0.2")
 # count surfaces that are passed as segments of the path.
 THROUGH = '<integrator type="volpath"><integer name="max_depth" value="6"/></integrator>\n'
 
-# Name: with constants, with textures (or None).
+# Each name has a BSDF with constants, and one with textures or None.
 MODELS = {
     "diffuse": (twosided(FIRST), twosided(bsdf("diffuse", colours("reflectance")))),
     "conductor": (twosided(bsdf("conductor", GOLD)),

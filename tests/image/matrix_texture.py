@@ -51,7 +51,7 @@ def write_images(folder):
     write_bmp(folder / "picture.bmp", eight)
 
 
-# Rotated, and from below 0 to beyond 1.
+# Coordinates are rotated, and go from below 0 to beyond 1.
 AROUND = ('<transform name="to_uv"><translate x="-0.4" y="-0.3"/><rotate z="1" angle="30"/>'
           '<scale x="2.3" y="1.7"/></transform>')
 

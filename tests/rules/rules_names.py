@@ -24,7 +24,7 @@ FUNCTION = re.compile(r"^static (?:inline )?(?:_Noreturn )?[\w \*]*?\b(\w+)\([^;
                       re.MULTILINE)
 INLINE_FUNCTION = re.compile(r"^INLINE [\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{", re.MULTILINE)
 TAG = re.compile(r"^(?:typedef |static |const )*(?:struct|union|enum) (\w+) \{", re.MULTILINE)
-# Once what is in brackets is taken out, which leaves these empty.
+# What is in brackets is removed before, which leaves these empty.
 OBJECTS = re.compile(r"^static (?!inline\b)([\w \*\[\]\n{}]+(?:[=,][^;]*)?);", re.MULTILINE)
 OBJECT = re.compile(r"(\w+)(?:\[\])*\s*(?:=.*)?$", re.DOTALL)
 

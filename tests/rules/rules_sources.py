@@ -18,7 +18,7 @@ ORDER = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "ca
 LIBRARIES = {"embree": "scene", "flann": "photon"}
 # How names of files may begin; base is free, the others have their folder's noun.
 NOUNS = {"render": ("render", "options"), "apps": ("app", "main")}
-# What the top level may hold beside hidden files.
+# What the top folder may hold beside hidden files.
 TOP = {"CHANGELOG.md", "LICENSE", "README.md", "bench", "bootstrap", "data", "docs", "include",
        "meson.build", "meson_options.txt", "src", "tests"}
 MAX_LINES = 500
@@ -39,7 +39,7 @@ def source_files(tree):
 
 
 def kept_at_top(tree):
-    """What git keeps at the top level; images that a user leaves there are the user's."""
+    """What git keeps in the top folder; images that a user leaves there are the user's."""
     listed = subprocess.run(["git", "-C", tree, "ls-files"], stdout=subprocess.PIPE, text=True,
                             check=False)  # of a tree without history: nothing
     return {line.split("/")[0] for line in listed.stdout.splitlines()}

@@ -131,7 +131,7 @@ def wrong_ray(graph, text, begin, end):
 
 
 def walks(text):
-    """Title to steps (number, function, file) of each section of the third level that has any."""
+    """Title to steps (number, function, file) of each section of third order that has any."""
     sections = re.split(r"^### ", text, flags=re.MULTILINE)[1:]
     found = {}
     for section in sections:

@@ -115,12 +115,14 @@ IDENTIFIERS = {
         "xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
         "SetSharedFilterImage": "src/film/"}),
 }
-# In tests and bench, where the identifiers of src may stand in any C file, also these. A room is a
-# scene there.
+# Outside, where the identifiers of src may stand in any C file, also these. A room is a scene
+# there.
 TEST_IDENTIFIERS = {
-    "Place": r"after_place|keeps_order_and_places|\w+_with_place", "Room": r"\w*(?i:room)\w*",
+    "Place": r"after_place", "Room": r"\w*(?i:room)\w*",
     "Seen": "seen_directly", "Level": "after_level|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
     "Guide": r"test_guide_\w+", "Shared": "MAP_SHARED|oidnSetSharedFilterImage|shared"}
+# Folders of code outside of src and include.
+OUTSIDE = ("tests/", "bench/", "data/", "docs/")
 # The type of what has one of these names.
 TYPES = {"place": "log_place"}
 # In comments and messages: a pattern of the word, the files that use it in this meaning, and what
@@ -152,11 +154,13 @@ WRONG = [("src/load/load.c", "vec3 place;"), ("src/guide/guide.h", "float seen_f
          ("src/load/load.c", "// A place where light is."), ("src/light/light.c", "// a level"),
          ("src/base/array.c", "float share;"), ("src/gather/gather.h", "bool has_room;"),
          ("src/scene/scene.h", "struct guide_cone cone;"), ("src/scene/scene.h", "bool seen;"),
-         ("tests/unit/light.c", "struct mat4 place;"), ("bench/runs.py", "level = 1"),
+         ("tests/unit/light.c", "struct mat4 place;"), ("tests/unit/light.c", "// a place"),
+         ("data/cases.py", "# the level of water"), ("docs/example.c", "// It was seen."),
+         ("bench/runs.py", "level = 1"),
          ("src/render/render_records.c", "// the level of noise"), ("src/base/vec.h", '"seen"')]
 RIGHT = [("src/load/load.c", "struct log_place place;"), ("src/guide/guide.h", "bool seen;"),
          ("src/photon/photon.h", "struct guide_view view;"), ("src/load/load.c", "// at the place"),
-         ("tests/unit/light.c", "// its place"), ("bench/runs.py", "x = 'level'"),
+         ("tests/unit/load.c", "// its place"), ("bench/runs.py", "x = 'level'"),
          ("src/cache/cache.c", "// sorts in place"), ("src/render/render_budget.c", "int levels;")]
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
@@ -213,7 +217,7 @@ def wrong_words(path, name):
 def wrong_identifiers(text, name):
     """Identifiers with a word of one meaning that are not in the table for this file."""
     identifiers = set(re.findall(r"[A-Za-z_]\w*", text))
-    tests = name.startswith(("tests/", "bench/"))
+    tests = name.startswith(OUTSIDE)
     for term, (words, allowed) in IDENTIFIERS.items():
         if tests:
             known = [] if name.endswith(".py") else allowed
@@ -232,8 +236,7 @@ def wrong_identifiers(text, name):
 def wrong_text(text, name):
     """Words of one meaning in a comment or a message that has another subject."""
     for term, (words, subject, elsewhere) in IN_TEXT.items():
-        # A test's comments are about what it tests.
-        if subject and re.match(subject, name) or name.startswith(("tests/", "bench/")):
+        if subject and re.match(subject, name):
             continue
         rest = re.sub(elsewhere, "", text, flags=re.IGNORECASE) if elsewhere else text
         found = re.search(rf"(?<![\w/-])(?:{words})(?![\w/]|-(?:clusters|visibility))", rest,
@@ -248,9 +251,15 @@ def wrong_text(text, name):
 def wrong_meanings(text, name):
     """Words of one meaning that are used in another one, in code and in what it says."""
     pattern = PYTHON_SAYS if name.endswith(".py") else SAYS
-    says = "\n".join(pattern.findall(text))
+    says = pattern.findall(text)
     code = pattern.sub(" ", text)
-    for what in [*wrong_identifiers(code, name), *wrong_text(LINE_END.sub(" ", says), name)]:
+    subject = name
+    if name.startswith(OUTSIDE):  # its strings quote messages of the program, or are a scene's
+        says = [x for x in says if x.startswith(("//", "/*", "#", '"""')) and "#include" not in x]
+        # A unit test's comments are about the source of its name.
+        subject = re.sub(r"^tests/unit/(([a-z]+)\w*\.c)$", r"src/\2/\1", name)
+    said = LINE_END.sub(" ", "\n".join(says))
+    for what in [*wrong_identifiers(code, name), *wrong_text(said, subject)]:
         yield f"{name}: {what}"
 
 
@@ -299,7 +308,7 @@ def main():
     for path in files(tree):
         name = path.relative_to(tree).as_posix()
         if name.startswith(("src/", "include/")) and path.suffix in CODE \
-                or name.startswith(("tests/", "bench/")) and path.suffix in CODE | {".py"}:
+                or name.startswith(OUTSIDE) and path.suffix in CODE | {".py"}:
             wrong += wrong_meanings(path.read_text(encoding="utf-8"), name)
     wrong += wrong_glossary(tree)
     print("\n".join(wrong))

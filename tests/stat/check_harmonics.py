@@ -89,7 +89,7 @@ def check_basis(lib, rng, table):
         one, each = np.zeros((DIRECTIONS, ORDER * ORDER), np.float32), np.ascontiguousarray(w.T)
         for i in range(DIRECTIONS):
             lib.rsh_eval(hemisphere, ORDER, pointer(each[i]), pointer(one[i]))
-        # Of many directions, orders up to 10 have a path of their own.
+        # Orders up to 10 are evaluated at many directions by code of their own.
         few = np.zeros((100, DIRECTIONS), np.float32)
         lib.rsh_eval_many(hemisphere, 10, ctypes.c_size_t(DIRECTIONS), pointer(w[0]), pointer(w[1]),
                           pointer(w[2]), pointer(few))

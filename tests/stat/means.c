@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes in which few photons arrive at what is seen: the mean of an image in two passes is that of
-// path tracing. With so few photons, images of different seeds differ by more than half of the
-// bound, so that the mean over several counts. usage: means SCENE.xml ...; prints one line per
+// Scenes in which few photons arrive at what the eye sees: the mean of an image in two passes is
+// that of path tracing. With so few photons, images of different seeds differ by more than half of
+// the bound, so that the mean over several counts. usage: means SCENE.xml ...; prints one line per
 // scene.
 #include <math.h>
 #include <stdio.h>

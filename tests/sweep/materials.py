@@ -171,7 +171,7 @@ class Materials:
     def null(self):
         return plugin("bsdf", "null")
 
-    # What rooms.py asks for.
+    # The names that rooms.py uses.
 
     def wall(self):
         if self.dice.chance(0.75):

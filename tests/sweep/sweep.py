@@ -46,7 +46,7 @@ def arguments():
 
 
 def data_scenes():
-    """Those of data/scenes as they are seen from here."""
+    """Those of data/scenes by their paths from here."""
     folder = pathlib.Path(os.path.relpath(TREE / "data/scenes"))
     return sorted(folder.rglob("*.xml"))
 

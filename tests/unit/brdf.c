@@ -60,7 +60,7 @@ static double brdf_density(const void *ctx, vec3 w) {
     return (double)brdf_pdf(s->b, s->wo, w, s->lobes);
 }
 
-// The directions in which the lobes peak: mirrored, or refracted.
+// Returns the direction in which the lobes peak, mirrored or refracted.
 static vec3 peak(const struct brdf *b, vec3 wo, unsigned lobes) {
     if (lobes != BRDF_THROUGH) return v3(-wo.x, -wo.y, wo.z);
     float eta = b->model->thin ? 1.0f : wo.z > 0.0f ? b->ior : 1.0f / b->ior;
@@ -206,7 +206,7 @@ static void samples_carry_the_energy(void **state) {
                 fail_msg("%s (case %d): albedo %g at %g degrees", cases[i].model, i, sum,
                          (double)wo_degrees[k % 4]);
             double tolerance = lobes & (BRDF_GLOSSY | BRDF_THROUGH) ? 0.04 : 0.007;
-            // Edges of total reflection; grids, which are sampled less well.
+            // Edges of total reflection and grids are sampled less well.
             if (b.model->transmits || b.model->data) tolerance = 0.15;
             if (fabs(sum - estimate) > tolerance * fmax(sum, 0.2))
                 fail_msg("%s (case %d): albedo %g, estimated %g at %g degrees", cases[i].model, i,
@@ -306,7 +306,7 @@ static void grids_return_the_values_at_their_nodes(void **state) {
         }
     }
     assert_true(error[0] < 0.01 * sum[0] && error[1] < 0.03 * sum[1]);
-    // At least .3 / pi everywhere, and no more towards the rim.
+    // At least .3 / pi everywhere, and it does not grow towards the boundary.
     assert_true(fabsf(half.diffuse.g - .3f) < .01f && fabsf(pairs.diffuse.g - .3f) < .02f);
 }
 

@@ -49,7 +49,8 @@ static void film(struct brdf *b) {
 
 static struct arena data;  // of the models that are made from data
 
-// As the paper's: a broad anisotropic lobe, an off-specular one, a faint retroreflection.
+// The lobes are like those of the paper: a broad anisotropic one, an off-specular one and a faint
+// retroreflection.
 static void three_lobes(struct brdf *b) {
     const struct brdf_cosine_lobe lobe[3] = {{{-1, -.7f, 1}, 4, {.1f, .1f, .1f}},
                                              {{-.8f, -.8f, 1.05f}, 40, {.3f, .3f, .3f}},

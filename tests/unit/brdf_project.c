@@ -13,8 +13,8 @@
 
 enum { ORDER = 10, COUNT = ORDER * ORDER };
 
-// Midpoints of a polar grid about the normal; good to a few 1e-5 of the lobe's norm for lobes wider
-// than some degrees. Returns the squared norm.
+// Integrates by the midpoints of a polar grid about the normal, which is good to a few 1e-5 of the
+// lobe's norm for lobes wider than some degrees. Returns the squared norm.
 static double grid_projection(const struct brdf *b, vec3 wo, rsh_basis basis, double *c) {
     enum { THETA = 360, PHI = 720 };
     double norm = 0.0;

@@ -58,7 +58,7 @@ static void lookups_interpolate_between_rungs(void **state) {
             assert_true(brdf_range_difference(range, &b, pool, v3(sinf(theta), 0, cosf(theta))) <
                         0.005);
         }
-    // Too smooth for the order, below the range, above it.
+    // These are too smooth for the order, below the range, and above it.
     const float outside[] = {.03f, .001f, .9f};
     for (int i = 0; i < 3; i++) {
         struct brdf b = brdf_range_metal(outside[i]);
@@ -78,7 +78,7 @@ static void one_table_serves_constants(void **state) {
     assert_int_equal(brdf_range_build(&base, NULL, &fit, pool, &range), SATIN_OK);
     assert_true(brdf_range_difference(range, &base, pool, v3(.6f, 0, .8f)) == 0.0);
     brdf_range_free(range);
-    // A table with no bound of the error has some order everywhere.
+    // A table without a bound of the error has some order everywhere.
     struct brdf sharp = brdf_range_metal(.05f);
     struct brdf_fit forced = fit;
     forced.always = true;

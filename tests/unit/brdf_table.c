@@ -58,7 +58,7 @@ static double reflected_error(const float c[196], int n, int draws) {
         double sum = 0.0, beyond = 0.0;
         for (int l = 0, k = 0; l < 14; l++)
             for (; k < (l + 1) * (l + 1); k++) {
-                // Uniform in [-1, 1], so that all have the variance 1/3.
+                // They are uniform in [-1, 1], so that all have the variance 1/3.
                 double light = (2.0 * (double)rng_float(&rng) - 1.0) / pow(l + 1.0, 1.5);
                 double part = light * (double)c[k];
                 sum += part;

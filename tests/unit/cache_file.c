@@ -94,7 +94,7 @@ static void cache_file_make(struct cache_file_fixture *f) {
     }
 }
 
-// The bytes of a saved file; malloc.
+// Returns the bytes of a saved file, from malloc.
 static unsigned char *cache_file_save(const struct cache_file_fixture *f, size_t *size) {
     char *data = NULL;
     assert_int_equal(cache_save(&f->cache, &provenance, "c.cache", (struct log){0}), SATIN_OK);
@@ -182,7 +182,7 @@ static void damaged_files_are_refused(void **state) {
     cache_file_stop(&f);
 }
 
-// With right checksums.
+// Now the checksums are right.
 static const char *refusal_of_header(const unsigned char *data, size_t size,
                                      struct cache_file_header h) {
     unsigned char *copy = malloc(size);
@@ -214,7 +214,7 @@ static void wrong_sizes_and_counts_are_refused(void **state) {
         assert_non_null(strstr(refusal_of_header(data, size, h), "ends early"));
     }
     free(data);
-    // A record outside of all, one without a direction, and one that is not finite.
+    // These records are outside of everything, without a direction, and not finite.
     const size_t at[] = {0, 4, 3};
     const float wrong[] = {NAN, 5.0f, INFINITY};
     for (int i = 0; i < 3; i++) {

@@ -53,7 +53,7 @@ static void a_wall_hides_what_is_behind(void **state) {
     (void)state;
     struct cache_leak_fixture f;
     cache_leak_start(&f);
-    // Towards the wall, not away from it.
+    // Hits are near towards the wall, but not away from it.
     assert_true(f.head.near_sectors >> (CACHE_SECTORS / 2) & 1u);
     assert_false(f.head.near_sectors & 1u);
     assert_true(cache_leaks(&f.cache, &f.head, v3(-0.3f, 0, 0)));

@@ -50,7 +50,7 @@ static void the_records_of_a_value_are_reported(void **state) {
     (void)state;
     struct cache_read_fixture f;
     cache_read_start(&f);
-    // At accuracy .8: weights 1 - .2 / .8 and 1 - .1 / .4, both 3/4.
+    // At accuracy .8 the weights are 1 - .2 / .8 and 1 - .1 / .4, both 3/4.
     struct cache_lookup at = cache_read_lookup(0.2f);
     rgb E;
     struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
@@ -58,7 +58,7 @@ static void the_records_of_a_value_are_reported(void **state) {
     assert_true(cache_read_near(used.weight, 1.5f) && cache_read_near(E.r, 0.5f));
     assert_true(cache_read_near(used.a / used.weight, 0.5f * (0.4f + 0.2f)));
     assert_true(cache_read_near(used.rays / used.weight, 200.0f));
-    // Beyond the second one's: the first alone.
+    // Beyond the second record, only the first one is read.
     at = cache_read_lookup(-0.4f);
     used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_int_equal(used.count, 1);

@@ -128,7 +128,7 @@ static void an_ellipse_and_a_scale_shorten_the_radius(void **state) {
     struct cache_tree tree;
     cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
     const vec3 up = v3(0, 0, 1);
-    // Half as far along x: sqrt(2^2 - 1).
+    // Along x, half of the distance is left: sqrt(2^2 - 1).
     struct cache_head head = {.R = 1.0f, .n = up, .search_radius = 0.5f, .scale = 1.0f};
     head.anisotropy = v3(sqrtf(3.0f), 0, 0);
     assert_true(cache_tree_insert(&tree, &head));

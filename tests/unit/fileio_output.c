@@ -68,7 +68,7 @@ static void a_file_appears_whole_or_not_at_all(void **state) {
     assert_int_not_equal(access("a", F_OK), 0);
     assert_int_equal(fileio_output_commit(silent, &out), SATIN_OK);
     expect_text("a", "abcd");
-    // Given up, and failed: the file stays as it was.
+    // Whether writing was given up or failed, the file stays as it was.
     assert_int_equal(fileio_output_open(silent, "a", FILEIO_SEEK, &out), SATIN_OK);
     assert_true(fileio_output_append(&out, "new", 3));
     fileio_output_discard(&out);
@@ -190,7 +190,7 @@ static void open_files_are_written_to(void **state) {
     assert_int_equal(fileio_output_put(name, "during"), SATIN_OK);
     assert_int_equal(write(fd, " after", 6), 6);
     expect_text("open", "before during after");
-    // By a link, such as /dev/stdout; the link stays.
+    // They are opened by a link, such as /dev/stdout, which stays.
     snprintf(name, sizeof name, "/proc/self/fd/%d", fd);
     assert_int_equal(symlink(name, "standard"), 0);
     assert_int_equal(fileio_output_put("standard", "."), SATIN_OK);

@@ -34,7 +34,8 @@ static void fill_extent_apply(struct fill_extent_fixture *f) {
         f->cache.store[k].options = cache_options_of(&f->options, k);
 }
 
-// a R in pixels of a record whose rays found walls at that distance; both caches must agree.
+// Returns a R in pixels of a record whose rays found walls at that distance. Both caches must
+// agree.
 static float fill_extent_pixels(struct fill_extent_fixture *f, float distance) {
     fill_extent_apply(f);
     const struct fill_site site = {.frame = frame_from_normal(v3(0, 0, 1)),

@@ -66,7 +66,7 @@ static rgb fill_residual_reflected(const struct fill_residual_fixture *f) {
     return L;
 }
 
-// That light by the rays of the same record.
+// Returns that light by the rays of the same record.
 static rgb by_rays(const struct fill_residual_fixture *f) {
     const struct fill_site *s = &f->c.site[0];
     const struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
@@ -90,7 +90,7 @@ static void a_record_reflects_what_its_rays_reflect(void **state) {
     fill_residual_start(&without, false);
     const rgb wanted = by_rays(&with), found = fill_residual_reflected(&with),
               cut = fill_residual_reflected(&without);
-    // Sums of some hundred floats.
+    // The tolerance is for sums of some hundred floats.
     assert_true(fabsf(found.r - wanted.r) < 1e-4f * wanted.r);
     assert_true(fabsf(found.g - wanted.g) < 1e-4f * wanted.g);
     assert_true(fabsf(found.b - wanted.b) < 1e-4f * wanted.b);

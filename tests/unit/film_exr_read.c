@@ -27,12 +27,12 @@ struct sample_file {
     bool tiled;
 };
 
-// A value that half, float and uint hold exactly.
+// Returns a value that half, float and uint hold exactly.
 static uint32_t film_exr_read_value_at(int c, int x, int y) {
     return (uint32_t)(c * 700 + x * 7 + y * 3);
 }
 
-// The bits of a non-negative integer below 2048 as half.
+// Returns the bits of a non-negative integer below 2048 as half.
 static uint16_t half_bits(uint32_t v) {
     if (v == 0) return 0;
     int e = 31 - __builtin_clz(v);

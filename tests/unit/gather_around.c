@@ -73,7 +73,7 @@ static double gather_around_irradiance(struct gather_around_fixture *f, float x,
     return (double)rgb_luminance(value.E);
 }
 
-// x along u; v = n x u = -z.
+// The axis x is along u, and v = n x u = -z.
 static void second_differences(struct gather_around_fixture *f, float x, float z, float h,
                                uint64_t stream, double out[3]) {
     double E[3][3];
@@ -87,7 +87,7 @@ static void second_differences(struct gather_around_fixture *f, float x, float z
     out[2] = (E[1][2] - 2.0 * E[1][1] + E[1][0]) / h2;
 }
 
-// Root mean square of the error over that of the differences.
+// Returns the root mean square of the error over that of the differences.
 static double hessian_error(struct gather_around_fixture *f, float x, float z, float h) {
     double error = 0.0, size = 0.0;
     for (uint64_t i = 0; i < 4; i++) {

@@ -181,7 +181,7 @@ static void gaps_are_left_before_photons_are_read(void **state) {
     struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     struct gather_ray *ray_of = calloc(RAYS, sizeof *ray_of);
     assert_true(scratch && ray_of);
-    // At five depths, each of which has the same weight.
+    // The gap is measured at five depths, each of which has the same weight.
     double ratio = 0.0;
     for (int k = 0; k < 5; k++) {
         const vec3 p = v3(0.981f, 0.3f - 0.05f * (float)k, 0);
@@ -220,14 +220,14 @@ static struct moments average_paths(const struct gather *g, const struct shading
     return (struct moments){mean, squares / paths - mean * mean};
 }
 
-// A disc of a material, as floor of a scene without lights.
+// Makes a disc of a material, the floor of a scene without lights.
 static void begin_floor(struct test_scene *t, float glossy) {
     test_scene_init(t);
     test_quadric(t, SHAPE_DISK, mat4_identity(), false,
                  test_material(t, "phong", rgb_grey(.5f), rgb_grey(glossy)));
 }
 
-// What a ray from above hits of the floor.
+// Returns what a ray from above hits of the floor.
 static struct shading_point floor_point(struct test_scene *t) {
     const satin_options options = satin_options_default;
     const struct gather g = gather_make(&t->scene, &options, NULL);
@@ -260,7 +260,8 @@ static void direct_light_counts_once(void **state) {
             gather_sample_lights(&g, &y, alone, many, (struct sampler){0, 3, 0}, NULL).g;
         const float diffuse = brdf_albedo(&y.brdf, y.wo_l, BRDF_DIFFUSE).g;
         const rgb known = rgb_grey(PI_F);
-        // Known direct light of the diffuse lobe; sampled, where the path goes on; 16 samples.
+        // The diffuse lobe's direct light is known, sampled where the path goes on, or sampled by
+        // 16 samples.
         const struct gather_estimate estimate[] = {{rgb_grey(0.0f), true, &known, 1},
                                                    {rgb_grey(0.0f), false, NULL, 1},
                                                    {rgb_grey(0.0f), false, NULL, 16}};

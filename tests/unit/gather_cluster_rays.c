@@ -43,7 +43,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     const struct gather_site first = gather_cluster_rays_floor_site(0);
     vec3 w;
     const double E = arrives(&f, first.p, &w) * (double)w.y;
-    // E = const * height^2 / r^4.
+    // The irradiance is const * height^2 / r^4.
     const vec3 d = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), first.p);
     const vec3 moved = v3_mul(v3(d.x, 0.0f, d.z), 4.0f * (float)E / v3_len2(d));
     double sum = 0.0, square = 0.0, gradient = 0.0, rotation = 0.0;
@@ -78,7 +78,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     spot_room_free(&f.room);
 }
 
-// Down to a spot that subtends ten minutes of arc.
+// The spot subtends down to ten minutes of arc.
 static void irradiance_with_cluster_rays_is_right(void **state) {
     (void)state;
     check_irradiance(0.03f, 0.01);

@@ -68,7 +68,8 @@ static void a_furnace_has_no_gradients(void **state) {
     assert_true(fabs(E / (0.25 * 3.14159265358979) - 1.0) < 0.005);
     for (int k = 0; k < 4; k++) {
         double mean = sum[k] / STREAMS, variance = square[k] / STREAMS - mean * mean;
-        // Five standard errors: a chance of 1e-6 for each of four numbers; the seeds are fixed.
+        // The bound is five standard errors, a chance of 1e-6 for each of four numbers. The seeds
+        // are fixed.
         assert_true(fabs(mean) < 5.0 * sqrt(variance / (STREAMS - 1)));
     }
     gather_workers_free(worker, 1);
@@ -146,7 +147,7 @@ static void polished_walls_are_visible_through_beams(void **state) {
     print_message("by rays %.4f, deviation %.4f; by beams %.4f, deviation %.4f\n", by_rays, rays,
                   by_beams, beams);
     assert_true(beams < 0.25 * rays);
-    // Five standard errors, and the light that wider lobes reflect elsewhere.
+    // The bound is five standard errors, and the light that wider lobes reflect elsewhere.
     assert_true(fabs(by_beams - by_rays) < 5.0 * rays / sqrt(256.0) + 0.02 * by_rays);
     test_scene_free(&f.scene);
 }
@@ -191,7 +192,7 @@ static void rotation_gradient_matches_a_tilt(void **state) {
     point_lit_box(&f);
     struct gather_layout *layout = gather_layout_new(12000, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
-    // Beside a wall, where irradiance depends much on the normal; tilted by 2 degrees both ways.
+    // Beside a wall irradiance depends much on the normal, which is tilted by 2 degrees both ways.
     const float tilt = 0.035f;
     double given = 0.0, difference = 0.0;
     for (uint64_t i = 0; i < STREAMS; i++) {

@@ -69,8 +69,8 @@ static void positions_hidden_from_the_site_are_sampled(void **state) {
     gather_near_start(&f);
     const double E = gather_near_expected(&f);
     const struct gather_near_errors with = gather_near_errors_of(&f, true, E);
-    // Four standard deviations of the mean; a run by the BRDF alone shows the noise without
-    // clusters.
+    // The bound is four standard deviations of the mean. A run by the BRDF alone shows the noise
+    // without clusters.
     assert_true(fabs(with.mean) < 4.0 * with.rms / sqrt(STREAMS));
     assert_true(with.rms < 0.15);
     assert_true(gather_near_errors_of(&f, false, E).rms > 1.0);
@@ -128,7 +128,7 @@ static void weights_are_unbiased(void **state) {
     spot_room_free(&f);
 }
 
-// Near are hits within a radius, and within a few unless that is beyond the largest reliable
+// Hits within a radius are near, and those within a few, unless that is beyond the largest reliable
 // radius.
 static void hits_within_a_few_radii_are_near(void **state) {
     (void)state;

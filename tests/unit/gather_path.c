@@ -69,7 +69,7 @@ static void planes_in_a_furnace_have_the_brightness_of_their_albedo(void **state
             struct gather_path_mean a = by_paths(&g, wo),
                                     b = by_brdf(&t.material[m].front.base, wo);
             double off = fabs(a.value - b.value), deviation = sqrt(a.variance + b.variance);
-            // One false alarm in 600 runs of the 24 cases.
+            // The bound gives one false alarm in 600 runs of the 24 cases.
             if (off > 4.0 * deviation + 1e-4)
                 fail_msg("%s at cosine %g: %g by paths, %g by the BRDF +- %g", model[i], (double)z,
                          a.value, b.value, deviation);

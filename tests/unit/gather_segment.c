@@ -77,7 +77,7 @@ static void a_segment_may_leave_the_scene(void **state) {
     struct shading_point end;
     assert_false(test_gather_segment_trace(&t, v3(0, 5, 1), v3(0, 1, 0), true, &segment, &end));
     assert_true(isinf(segment.first.r) && rgb_black(segment.Le));
-    // Over the mirror and past the ceiling.
+    // This segment passes over the mirror and past the ceiling.
     assert_false(test_gather_segment_trace(&t, v3(0, 0, 0.1f), v3(0, 9, -1), true, &segment, &end));
     assert_true(segment.first.r > 0.9f && segment.first.r < 1.0f);
     test_scene_free(&t);

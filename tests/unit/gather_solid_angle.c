@@ -76,7 +76,7 @@ static bool moved(const struct gather_solid_angle_fixture *f, size_t i, int axis
     return true;
 }
 
-// Squared error and size of a vector of derivatives.
+// Checks that a vector of derivatives has an error of at most `limit` times its length.
 static void gather_solid_angle_compare(const float *given, const double *wanted, int count,
                                        double limit) {
     double error = 0.0, size = 0.0;

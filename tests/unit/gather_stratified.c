@@ -15,7 +15,8 @@
 
 enum { RAYS = 16384, ORDER = 4, N2 = ORDER * ORDER };
 
-// Seven times the rms error over 20 seeds at this number of rays, three times the largest.
+// The bound is seven times the rms error over 20 seeds at this number of rays, three times the
+// largest.
 static const double TOLERANCE = 0.0026;
 
 static const double SLOPE = 0.75 * 3.14159265358979323846;
@@ -59,7 +60,7 @@ static void irradiance_in_a_sphere_has_its_gradients(void **state) {
     gather_layout_free(l);
 }
 
-// E = Lambda . cosine, and so its gradient; HSH of order 2 hold the cosine.
+// As E = Lambda . cosine, so is its gradient. HSH of order 2 hold the cosine.
 static void radiance_in_a_sphere_has_its_gradients(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, ORDER);

@@ -22,7 +22,7 @@ static void guide_allocation_room(struct test_scene *t, bool closed) {
     } else {
         test_rectangle(t, test_transform(v3(0, 0, -1), v3(1, 1, 1)), grey);
     }
-    // Upside down, so that it shines down.
+    // It is upside down, so that it shines down.
     struct mat4 down = test_transform(v3(0, 0, 0.9f), v3(0.2f, -0.2f, -1.0f));
     test_area_light(t, test_rectangle(t, down, grey), rgb_grey(10.0f));
     test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(10.0f)});

@@ -119,7 +119,7 @@ static void what_is_hidden_is_not_visible(void **state) {
     struct guide_cone cone[GUIDE_CONES];
     int others = guide_clusters_look(&t, clusters, v3(0.3f, -1.0f, -0.2f), v3(0, 1, 0), cone);
     for (int c = 0; c < others; c++) assert_true(cone[c].E < 1e-3f);
-    // From beside the board, and from a wall; not from a surface that faces away.
+    // These points are beside the board, and on a wall; the last one faces away.
     assert_true(guide_clusters_look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(1, 0, 0), cone) > 0);
     others = guide_clusters_look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(0, -1, 0), cone);
     for (int c = 0; c < others; c++) assert_true(cone[c].centre.y < 0.9f && cone[c].E < 1e-3f);
@@ -142,7 +142,7 @@ static void uniform_light_has_no_clusters(void **state) {
     test_scene_free(&t);
 }
 
-// Photons in one point, and in a line: no area at all.
+// The photons lie in one point, or in a line, and so have no area at all.
 static void photons_without_area_are_harmless(void **state) {
     (void)state;
     static struct guide_photon photon[PHOTONS];
@@ -162,7 +162,7 @@ static void photons_without_area_are_harmless(void **state) {
     }
 }
 
-// A well-formed tree, in which every photon is once, and the same on any number of threads.
+// The tree is well-formed, has every photon once, and is the same on any number of threads.
 static void threads_do_not_change_the_clusters(void **state) {
     (void)state;
     static struct guide_photon photon[PHOTONS];

@@ -60,7 +60,7 @@ static void directions_are_in_their_cone(void **state) {
     const struct guide_rays rays = cones(1, 1.0f);
     double above = 0.0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
-        // A little off the rim, where the last digit decides.
+        // The direction is a little off the border, where the last digit decides.
         vec2 u = sample_sobol2(i, 1);
         u.x *= 0.999f;
         const vec3 w = guide_cone_sample(&rays.cone[0], u);

@@ -61,7 +61,7 @@ static struct guide_visibility_tally guide_visibility_sample(
     return tally;
 }
 
-// Learns the visibility by that many threads.
+// Learns the visibility on that many threads.
 static struct guide_visibility *guide_visibility_look(struct test_scene *t, int threads) {
     enum { SEED = 0, BIN_RAYS = 3 };  // as of the default options
     struct parallel *pool = parallel_new(threads);

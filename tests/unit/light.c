@@ -210,8 +210,8 @@ static void densities_of_environments_are_right(void **state) {
     }
 }
 
-// Values of Mitsuba 3.9.1 for an image of 4 x 3 texels, red = 1 + index, rotated by 30 degrees
-// about y.
+// The values are those of Mitsuba 3.9.1 for an image of 4 x 3 texels, red = 1 + index, rotated by
+// 30 degrees about y.
 static void environments_are_oriented_as_in_mitsuba(void **state) {
     (void)state;
     float texel[36] = {0};
@@ -433,7 +433,7 @@ static void photons_carry_the_power_of_their_light(void **state) {
     sun.direction = v3_unit(v3(0.5f, 0.3f, -1.0f));
     double c = 50.0 * M_PI / 180.0, b = 20.0 * M_PI / 180.0;
     double spot_power = 3.0 * 2.0 * M_PI * (1.0 - (sin(c) - sin(b)) / (c - b));
-    // Slides: at the position of `down`, looking down.
+    // The slides are at the position of `down` and look down.
     const struct texture light = {.value = rgb_grey(0.9f)}, dark = {.value = rgb_grey(0.2f)};
     struct texture checks = {.kind = TEXTURE_CHECKERBOARD,
                              .check = {&light, &dark},

@@ -78,7 +78,7 @@ static void make_textured(struct textured *l) {
     test_scene_finish(&l->t);
 }
 
-// The irradiance from the light at p, which faces it, by a fine grid.
+// Returns the irradiance from the light at p, which faces it, by a fine grid.
 static double light_area_irradiance(const struct textured *l, vec3 p) {
     double sum = 0.0;
     for (int i = 0; i < FINE * FINE; i++) {

@@ -37,7 +37,7 @@ static void the_sun_is_a_disc(void **state) {
     test_scene_free(&t);
 }
 
-// Through a window that most bins leave dark: the density that is reported is that of the samples,
+// Behind a window that leaves most bins dark, the density that is reported is that of the samples,
 // and the light of every part of the sky has the right mean.
 static void histograms_do_not_change_the_mean(void **state) {
     (void)state;
@@ -60,7 +60,7 @@ static void histograms_do_not_change_the_mean(void **state) {
         assert_true(light_environment_sample(&t.scene, &histogram, u.x, u.y, &s));
         const float reported = light_environment_pdf(&t.scene, &histogram, s.wi);
         assert_true(fabsf(reported - s.pdf_w) <= 1e-5f * reported);
-        // Halves of bins, by both coordinates, below and above.
+        // The regions are halves of bins, by both coordinates, below and above.
         const float around = 0.5f + atan2f(s.wi.y, s.wi.x) * (0.5f / PI_F);
         const int x = (int)(2 * LIGHT_HISTOGRAM_SIDE * around);
         const int y = (int)(LIGHT_HISTOGRAM_SIDE * (1.0f - s.wi.z));

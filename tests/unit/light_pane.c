@@ -65,7 +65,7 @@ static void panes_transmit_by_fresnel(void **state) {
                 const double angle = i * M_PI / 18.0;
                 const double incidence = tilted ? acos(cos(angle) * cos(0.3)) : angle;
                 const double expected = pow(light_pane_transmitted(incidence), count);
-                // Single precision: 1 - F loses two digits at the steepest.
+                // In single precision 1 - F loses two digits at the steepest angle.
                 assert_true(fabs(arriving(&t.scene, inclined(angle), 8) - expected) < 1e-5);
             }
             test_scene_free(&t);
@@ -248,7 +248,8 @@ static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
     return sum / (LIGHT_SIDE * LIGHT_SIDE);
 }
 
-// By side^2 directions towards a square of half-width 0.8 at height 1 that the lamp is in.
+// The directions, side^2 of them, go towards a square of half-width 0.8 at height 1 that the lamp
+// is in.
 static double by_directions(const struct satin_scene *scene, vec3 p, int side) {
     struct rng rng = rng_make(3, RNG_TEST, 0);
     const float width = 1.6f / (float)side;
@@ -268,7 +269,8 @@ static double by_directions(const struct satin_scene *scene, vec3 p, int side) {
 
 static void lamps_bring_what_directions_find(void **state) {
     (void)state;
-    // A lamp .5 from a pane of 5 mm, from one of 1 cm, a block, tilted, two panes; narrow lamps.
+    // The lamp is .5 from a pane of 5 mm, of 1 cm, a block, a tilted pane, and two panes. Then it
+    // is narrow.
     static const struct {
         float thickness, tilt, w, h;
         int plates;

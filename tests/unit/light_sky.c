@@ -20,13 +20,13 @@ static rgb light_sky_texel(const struct image *image, int column, int row) {
     return rgb_make(t[0], t[1], t[2]);
 }
 
-// kcd/m^2 of luminance 1.
+// A luminance of 1 is this many kcd/m^2.
 static const float light_sky_unit = 72.91f;
 
 static void the_zenith_has_the_luminance_of_the_formula(void **state) {
     (void)state;
-    // Turbidity, elevation, luminance (4.0453 T - 4.9710) tan chi - 0.2155 T + 2.4192 [kcd/m^2]
-    // with chi = (4/9 - T/120) (pi - 2 theta); x and y of the zenith.
+    // The columns are turbidity, elevation, luminance (4.0453 T - 4.9710) tan chi - 0.2155 T +
+    // 2.4192 [kcd/m^2] with chi = (4/9 - T/120) (pi - 2 theta), and x and y of the zenith.
     static const float known[3][5] = {{3.0f, 60.0f, 10.4131f, 0.25343f, 0.25979f},
                                       {3.0f, 20.0f, 3.9329f, 0.2507f, 0.26129f},
                                       {6.0f, 60.0f, 22.0667f, 0.26313f, 0.27599f}};
@@ -61,7 +61,7 @@ static void the_sky_ends_at_the_horizon_and_is_symmetric(void **state) {
         rgb b = light_sky_texel(&image, (width / 2 - 1 - column + width) % width, half - 20);
         assert_float_equal(a.g, b.g, 1e-4f * a.g);
     }
-    // Brightest towards the sun.
+    // The sky is brightest towards the sun.
     float toward = light_sky_texel(&image, width / 4, half * 2 / 3).g, away = 0.0f;
     for (int column = width / 2; column < width; column++)
         away = fmaxf(away, light_sky_texel(&image, column, half * 2 / 3).g);

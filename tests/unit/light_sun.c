@@ -13,7 +13,7 @@ static vec3 at(float latitude, int month, int day, float hour) {
     return sun_toward(&(struct sun_time){2010, month, day, hour, 0, 0, latitude, 0, 0});
 }
 
-// At noon it is in the south, at the height of the latitude's complement and the declination.
+// At noon the sun is in the south, at the height of the latitude's complement and the declination.
 static void the_sun_is_high_at_noon(void **state) {
     (void)state;
     static const struct {
@@ -24,7 +24,7 @@ static void the_sun_is_high_at_noon(void **state) {
     for (int i = 0; i < 4; i++) {
         const vec3 sun = at(known[i].latitude, known[i].month, known[i].day, 12.0f);
         assert_float_equal(v3_len2(sun), 1.0f, 1e-5f);
-        // The declination of the day, and the equation of time, which is a few minutes.
+        // These are the declination of the day and the equation of time, which is a few minutes.
         assert_float_equal(asinf(sun.y) * 180.0f / PI_F, known[i].elevation, 0.2f);
         assert_true(sun.z > 0.0f && fabsf(sun.x) < 0.05f);
     }
@@ -35,7 +35,8 @@ static void the_sun_rises_in_the_east(void **state) {
     const vec3 morning = at(50, 3, 20, 7.0f), evening = at(50, 3, 20, 17.0f);
     assert_true(morning.x > 0.9f && morning.y > 0.05f && evening.x < -0.9f && evening.y > 0.05f);
     assert_true(at(50, 3, 20, 0.0f).y < -0.5f);
-    // South of the equator it is in the north; an hour east of Greenwich, an hour earlier.
+    // South of the equator the sun is in the north; an hour east of Greenwich, it is there an hour
+    // earlier.
     assert_true(at(-50, 3, 20, 12.0f).z < -0.5f);
     struct sun_time east = {2010, 3, 20, 13, 0, 0, 50, 15, 1};
     const vec3 a = sun_toward(&east), b = at(50, 3, 20, 13.0f);

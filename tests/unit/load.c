@@ -12,7 +12,8 @@ static satin_scene *test_load(const char *text) {
     return scene;
 }
 
-// Around another, it shows the front of that on both sides; also around a blend of such.
+// A twosided material around another shows the front of that on both sides, also around a blend of
+// such.
 static void twosided_materials_nest(void **state) {
     (void)state;
     struct satin_scene *scene = test_load(SCENE_TEXT(
@@ -28,8 +29,8 @@ static void twosided_materials_nest(void **state) {
     satin_scene_free(scene);
 }
 
-// Masks and null materials, in each other and in blends, on one side and on two; fractions beyond
-// [0, 1] are its ends.
+// Masks and null materials nest in each other and in blends, on one side and on two. Fractions
+// beyond [0, 1] are its ends.
 static void masks_nest(void **state) {
     (void)state;
 #define MASK "<bsdf type='mask'><float name='opacity' value='.6'/>"
@@ -62,7 +63,7 @@ static void masks_nest(void **state) {
     satin_scene_free(scene);
 }
 
-// The colour of a texture averaged over a footprint of a quarter of the image, at its left.
+// Returns the colour of a texture averaged over a footprint of a quarter of the image, at its left.
 static float averaged_red(const satin_scene *scene, uint32_t material) {
     const struct interaction s = {.shape = material,
                                   .material = material,

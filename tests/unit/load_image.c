@@ -58,7 +58,7 @@ static void bytes_become_linear(void **state) {
 
 static void floats_must_be_possible_for_light(void **state) {
     (void)state;
-    // PFM: rows from the bottom, little-endian.
+    // A PFM file has its rows from the bottom, little-endian.
     char file[64];
     size_t header = (size_t)sprintf(file, "PF\n1 2\n-1\n");
     const float texel[6] = {0.5f, NAN, 7.0f, -1.0f, INFINITY, 0.25f};

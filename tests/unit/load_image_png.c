@@ -68,7 +68,8 @@ static void refuse_png(const struct png_file *png, const char *problem) {
     arena_free(&arena);
 }
 
-// One pixel of each type and depth: the values that the file has, whatever its packing.
+// For one pixel of each type and depth, the values are those that the file has, whatever its
+// packing.
 static void every_type_of_png_is_read(void **state) {
     (void)state;
     static const struct {
@@ -112,7 +113,8 @@ static void every_type_of_png_is_read(void **state) {
 // The rows of an interlaced image end where those of its pixels are.
 static void interlaced_rows_are_read(void **state) {
     (void)state;
-    // 3 x 2 pixels of grey. Passes 1, 4, 6 and 7 have a row each, of 1, 1, 1 and 3 pixels.
+    // The image has 3 x 2 pixels of grey. Passes 1, 4, 6 and 7 have a row each, of 1, 1, 1 and 3
+    // pixels.
     static const unsigned char rows[] = {0, 10, 0, 30, 0, 20, 0, 40, 50, 60};
     const unsigned char header[HEADER] = {[3] = 3, [7] = 2, [8] = 8, [12] = 1};
     struct png_file png;

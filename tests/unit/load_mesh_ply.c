@@ -99,7 +99,7 @@ static void every_format_and_type_is_read(void **state) {
             const uint32_t last[6] = {3, 2, 1, 3, 1, 0};
             assert_memory_equal(m->index + 12, last, sizeof last);
             mesh_case_free(&c);
-            // Cut anywhere in the body it is refused.
+            // A file that is cut anywhere in the body is refused.
             size_t header = (size_t)(strstr(body.bytes, "end_header\n") - body.bytes) + 11;
             for (size_t cut = header; cut + (format ? 1 : 5) < body.size; cut += 3)
                 mesh_case_refuse(load_mesh_ply, body.bytes, cut, "mesh:");
@@ -214,7 +214,7 @@ static void load_mesh_ply_read_attributes(struct mesh_case *c, const char *verte
     assert_int_equal(mesh_case_read(c, load_mesh_ply, request, text, (size_t)size), SATIN_OK);
 }
 
-// As Mitsuba 3.9 names and reads them.
+// Names and values are those of Mitsuba 3.9.
 static void attributes_of_meshes_are_kept(void **state) {
     (void)state;
     static const char *const names[] = {"vertex_color", "vertex_heat", "vertex_tint_color",

@@ -115,7 +115,7 @@ static void defaults_of_version_06_are_kept(void **state) {
     assert_non_null(strstr(c.error, "none.png"));
 }
 
-// Textures as that version has them.
+// These are the textures of that version.
 static void textures_of_version_06_are_read(void **state) {
     (void)state;
     struct scene_case c;
@@ -193,8 +193,8 @@ static void files_of_other_programs_are_read(void **state) {
     assert_float_equal(b->specular.b, .132f, 1e-6f);
     const struct light *sky = &scene->light[scene->environment];
     assert_true(sky->value.g == 6.0f && sky->sun.y > 0.5f && sky->sun.x < 0.0f);
-    // Parameters without effect of BRDFs and of shapes, the sum, the sky, and spheres at one
-    // position.
+    // There are warnings for parameters without effect of BRDFs and of shapes, the sum, the sky,
+    // and spheres at one position.
     assert_int_equal(c.warnings, 5);
     satin_scene_free(scene);
 }

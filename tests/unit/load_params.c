@@ -126,13 +126,13 @@ static void colours_are_read(void **state) {
                  {"<spectrum name='colour' type='rgb'><rgb name='value' value='.1 .2 .3'/>"
                   "</spectrum>",
                   {.1f, .2f, .3f}},
-                 // As Mitsuba 3.9 writes them.
+                 // These spectra are written as Mitsuba 3.9 writes them.
                  {"<texture name='colour' type='d65'><float name='scale' value='.3'/></texture>",
                   {.3f, .3f, .3f}},
                  {"<texture name='colour' type='srgb'><vector name='color' x='.1' y='.2' z='.3'/>"
                   "</texture>",
                   {.1f, .2f, .3f}},
-                 // What Mitsuba 3.9 makes of the same samples.
+                 // The colours are what Mitsuba 3.9 makes of the same samples.
                  {"<spectrum name='colour' value='400:0.2, 500:0.5, 550:0.7,700:0.9'/>",
                   {.8484015f, .6581277f, .31988475f}},
                  {"<spectrum name='colour' type='irregular'>"

@@ -63,7 +63,7 @@ static void lookat_needs_no_up(void **state) {
                           (float[]){0.18017852f, 0.8926596f, -0.41315195f, 3,   //
                                     0.69755745f, 0.18017852f, 0.69350505f, -4,  //
                                     0.69350505f, -0.41315195f, -0.59021705f, 5});
-    // So is one along the view, which Mitsuba cannot take.
+    // It completes one along the view in the same way, which Mitsuba cannot take.
     load_transform_expect("<lookat origin='0 0 0' target='0 2 0' up='0 1 0'/>",
                           (float[]){0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0});
 }

@@ -119,7 +119,7 @@ static void warnings_of_a_kind_are_counted(void **state) {
     satin_scene_free(scene);
 }
 
-// Before an error, so that they are reported in the order of their places.
+// Warnings come before an error, in the order of their places.
 static void warnings_come_before_an_error(void **state) {
     (void)state;
     struct scene_case c;

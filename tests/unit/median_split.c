@@ -18,7 +18,7 @@ static void median_split_put(struct split_point *point, size_t i, vec3 p) {
     point[i] = (struct split_point){.p = p, .item = (uint32_t)i};
 }
 
-// In a box that is longest along y, from 1 to a thousand points.
+// The points are in a box that is longest along y, from 1 to a thousand of them.
 static void halves_of_a_split_are_apart(void **state) {
     (void)state;
     static struct split_point point[MOST];
@@ -40,8 +40,8 @@ static void halves_of_a_split_are_apart(void **state) {
     }
 }
 
-// Three quarters of the points in a plane across the longest axis, with and without rounding: the
-// same ones are below.
+// Three quarters of the points lie in a plane across the longest axis, with and without rounding;
+// the same ones are below.
 static void walls_are_cut_into_pieces(void **state) {
     (void)state;
     enum { COUNT = 1000 };

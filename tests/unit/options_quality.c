@@ -39,7 +39,7 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     assert_memory_equal(&last, &production, sizeof last);
 }
 
-// Ten seconds of 64 cores against those of two, which production takes.
+// Compares ten seconds of 64 cores with ten of two, which production takes.
 static void many_cores_ask_for_more(void **state) {
     (void)state;
     satin_options two = options_quality_make(SATIN_PREVIEW),

@@ -52,7 +52,7 @@ struct endless {
     int asked;                // times that the progress function was called
 };
 
-// A chunk that ends by a cancellation alone.
+// A chunk that ends only by a cancellation.
 static void never_ends(void *ctx, size_t begin, size_t end, int worker) {
     struct endless *e = ctx;
     (void)begin;

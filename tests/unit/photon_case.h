@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photon maps for tests, with the numbers of paths that a render without a time limit has.
+// Builds photon maps for tests, with the numbers of paths that a render without a time limit has.
 #ifndef PHOTON_CASE_H
 #define PHOTON_CASE_H
 

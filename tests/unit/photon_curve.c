@@ -16,8 +16,8 @@ enum { COUNT = 30000, QUERIES = 500, K = 20, LAYOUTS = 3 };
 static const int THREADS[] = {1, 2, 3, 8};
 static const struct photon_curve CURVE = {{0.0f, 0.0f, 0.0f}, 1024.0f};
 
-// Points in the unit cube: evenly spread; most of them in a few small spots; or all in a few
-// points, one of which has half of them.
+// Makes points in the unit cube: spread uniformly, most of them in a few small spots, or all in a
+// few points, one of which has half of them.
 static vec3 point_of(int layout, struct rng *rng) {
     const float u = rng_float(rng);
     vec3 p = v3(rng_float(rng), rng_float(rng), rng_float(rng));
@@ -30,7 +30,8 @@ static vec3 point_of(int layout, struct rng *rng) {
     return p;
 }
 
-// In the order of the curve: `columns` floats each, of which those after the third are +-0.01.
+// Makes rows in the order of the curve: `columns` floats each, of which those after the third are
+// +-0.01.
 static float *sorted_rows(int layout, int columns, struct parallel *pool) {
     struct photon_keyed *key = calloc(2 * COUNT, sizeof *key);
     vec3 *p = calloc(COUNT, sizeof *p);
@@ -151,7 +152,7 @@ static void cells_find_what_one_tree_finds(void **state) {
         parallel_free(pool);
         struct rng rng = rng_make(2, RNG_TEST, (uint64_t)run);
         for (int i = 0; i < QUERIES * columns; i++) {
-            // Queries near rows, and anywhere.
+            // The queries are near rows, and anywhere.
             query[i] = 1.2f * rng_float(&rng) - 0.1f;
             if (i / columns % 2) query[i] = row[i * 37 / columns * columns % (COUNT * columns)];
         }

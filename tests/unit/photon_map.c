@@ -79,7 +79,7 @@ static void few_rows_and_extreme_queries_are_harmless(void **state) {
     parallel_free(pool);
 }
 
-// 16 bits for each of two coordinates: no more than 7e-5 rad.
+// There are 16 bits for each of two coordinates, so the error is at most 7e-5 rad.
 static void packing_is_precise(void **state) {
     (void)state;
     for (uint32_t i = 0; i < 100000; i++) {

@@ -104,7 +104,7 @@ static void fewer_paths_are_a_pass_of_their_own(void **state) {
     test_scene_free(&t);
 }
 
-// Zones of a wall of the box: inside, at one edge, at a corner.
+// The zones of a wall of the box are inside, at one edge, and at a corner.
 enum { INSIDE = 0, EDGE, CORNER, ZONES };
 #define MARGIN 0.04f  // about the radius of an estimate
 
@@ -294,7 +294,7 @@ static void wedge_scene(struct test_scene *t, enum light_kind kind, float half) 
     test_scene_finish(t);
 }
 
-// view NULL: unguided.
+// If view is NULL, emission is not aimed.
 static struct photon_trace trace_caustics(const struct test_scene *t, const struct guide_view *view,
                                           uint64_t paths) {
     struct parallel *pool = pool_of(2);

@@ -15,7 +15,7 @@
 
 enum { SIZE = 64, EQUAL = 4, ALL = 16 };
 
-// Grey 1 with noise that is ten times as strong right of the middle.
+// The image is 1 with noise that is ten times as strong right of the middle.
 static float render_adaptive_sampling_noise_of(int x) { return x < SIZE / 2 ? 0.05f : 0.5f; }
 
 static void render_adaptive_sampling_take(struct adaptive_sampling *adapt, uint64_t seed) {
@@ -132,7 +132,7 @@ static void the_number_of_samples_is_kept(void **state) {
         }
 }
 
-// Wanted counts that lie far more than 2^24 apart: a strip of little noise beside one of much
+// The wanted counts lie far more than 2^24 apart, in a strip of little noise beside one of much
 // noise.
 static void faint_noise_does_not_hide_strong_noise(void **state) {
     (void)state;

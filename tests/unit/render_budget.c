@@ -82,7 +82,7 @@ static void photons_fit_into_the_time_or_are_left_out(void **state) {
     assert_true(first > 0.0 && first < 0.1);
     struct render_more_photons few = render_budget_photons(&r, 30.0, 4.0);
     assert_true(few.fraction > first && few.fraction < 1.0 && few.global == 1.0);
-    // Time for twice the photons, and for ten times as many.
+    // There is time for twice the photons, and for ten times as many.
     assert_true(render_budget_photons(&r, 8.4, 4.0).fraction == 1.0);
     assert_true(fabs(render_budget_photons(&r, 8.4, 4.0).global - 2.0) < 0.1);
     assert_true(render_budget_photons(&r, 1.7, 4.0).global == 4.0);
@@ -180,7 +180,8 @@ static void passes_grow_until_little_is_left(void **state) {
     parallel_free(r.pool);
 }
 
-// Samples of all passes of a render without a time limit, whose equal samples come first.
+// Counts the samples of all passes of a render without a time limit, whose equal samples come
+// first.
 static void check_passes(const struct render *r, uint64_t equal) {
     const uint64_t pixels = 10000, all = (uint64_t)r->second_pass.options.spp * pixels;
     uint64_t done = 0, more;

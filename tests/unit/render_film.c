@@ -39,7 +39,7 @@ static float render_film_value_at(struct render *r, const char *channel, int x, 
     return plane[y * WIDTH + x];
 }
 
-// Two samples that weigh 1.5 together.
+// The two samples weigh 1.5 together.
 static void fill_pixel(struct image_pixel *p, float L) {
     p->samples = 2;
     p->weight = 1.5f;

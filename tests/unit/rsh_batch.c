@@ -30,12 +30,12 @@ static struct rsh_rotations random_rotations(uint32_t *seed, enum rsh_method met
     return t;
 }
 
-// Record i of a channel, strided, as a vector.
+// Returns record i of a channel, strided, as a vector.
 static void rsh_batch_take(const float *from, int n, int channel, int i, float *v) {
     for (int k = 0; k < n; k++) v[k] = from[(channel * n + k) * STRIDE + i];
 }
 
-// As for the single record: 3e-6 of the vector's length.
+// The bound is that of the single record, 3e-6 of the vector's length.
 static void rotations_equal_the_plain_twin(void **state) {
     (void)state;
     uint32_t seed = 11;
@@ -66,7 +66,8 @@ static void rotations_equal_the_plain_twin(void **state) {
             }
 }
 
-// The angles of rotations, of rotations about z, upside down, and of matrices that are no rotation.
+// The angles are those of rotations, of rotations about z, upside down, and of matrices that are no
+// rotation.
 static void angles_equal_the_plain_twin(void **state) {
     (void)state;
     uint32_t seed = 13;

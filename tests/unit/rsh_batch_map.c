@@ -49,7 +49,7 @@ static void rsh_batch_map_add(const float from[9], const float to[9]) {
     rsh_batch_map_frames++;
 }
 
-// To `from` rotated by r.
+// Adds the frame `from` and the same frame rotated by r.
 static void rsh_batch_map_add_rotated(const float from[9], const float r[9]) {
     float to[9];
     rsh_noise_multiply(r, from, to);
@@ -63,7 +63,7 @@ static double last_angle(void) {
     return acos(fmin(fmax((double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2], -1), 1));
 }
 
-// About the horizontal axis at `azimuth`.
+// Sets r to the rotation about the horizontal axis at `azimuth`.
 static void tilt(double azimuth, double angle, float r[9]) {
     const double x = cos(azimuth), y = sin(azimuth), c = cos(angle), s = sin(angle), d = 1 - c;
     const double m[9] = {c + x * x * d, x * y * d, y * s, x * y * d, c + y * y * d,
@@ -96,7 +96,7 @@ static void add_axes(uint32_t *seed) {
     assert_int_equal(found, 24);
 }
 
-// Normals that are opposed exactly, whatever the frame: by a sign, and rotated about it.
+// Adds frames whose normals are exactly opposed: by a sign alone, and rotated about the normal.
 static void add_opposed(uint32_t *seed) {
     for (int i = 0; i < 12; i++) {
         float from[9], to[9], a = i < 4 ? 0.0f : 3.0f * noise(seed), c = cosf(a), s = sinf(a);
@@ -110,7 +110,7 @@ static void add_opposed(uint32_t *seed) {
     }
 }
 
-// Close to none, to 90 and to 180 degrees.
+// Adds rotations that are close to none, to 90 and to 180 degrees.
 static void add_near(uint32_t *seed) {
     const double centre[] = {0.0, PI / 2.0, PI};
     for (int i = 0; i < 3; i++)
@@ -124,7 +124,8 @@ static void add_near(uint32_t *seed) {
             }
 }
 
-// At random, by angles below the limits and by any; no angle so near a limit that rounding decides.
+// Adds random rotations, by angles below the limits and by any, but by none so near a limit that
+// rounding decides.
 static void add_random(uint32_t *seed) {
     for (int i = 0; i < 24; i++) {
         float from[9], r[9];
@@ -139,8 +140,8 @@ static void add_random(uint32_t *seed) {
     }
 }
 
-// One frame as both arguments, also one whose rows deviate from orthonormal as much as callers' do,
-// and both mirrored, which makes their quotient a rotation.
+// One frame is both arguments, also one whose rows deviate from orthonormal as much as callers' do;
+// or both are mirrored, which makes their quotient a rotation.
 static void add_alike(uint32_t *seed) {
     for (int i = 0; i < 6; i++) {
         float from[9], to[9];

@@ -31,7 +31,7 @@ static void rsh_ivanic_equals_the_fastest_form(void **state) {
         }
 }
 
-// Figures 5.2 and 5.3 of [K05], three digits each.
+// The values are those of figures 5.2 and 5.3 of [K05], three digits each.
 static void derivatives_equal_the_printed_ones(void **state) {
     (void)state;
     float blocks[3 * RSH_MAX_BLOCKS];

@@ -19,7 +19,7 @@ static float rsh_many_in[CHANNELS * N * MOST], rsh_many_out[CHANNELS * N * MOST 
 static float rsh_many_from[9][MOST], rsh_many_to[9][MOST], rsh_many_single[MOST][2][9];
 static const float *from_rows[9], *to_rows[9];
 
-// Frames that differ by tilts of 0 to .4, some of which are equal.
+// The frames differ by tilts of 0 to .4, and some of them are equal.
 static void rsh_many_make_frames(uint32_t *seed, int count) {
     for (int i = 0; i < count; i++) {
         float b = i % 5 ? 0.4f * noise(seed) : 0.0f, c = cosf(b), s = sinf(b);

@@ -47,7 +47,8 @@ static void rotation_moves_the_function(void **state) {
         }
 }
 
-// The package spherical in double; a unit vector of order 16 by all exact forms.
+// The values are those of the package spherical in double, for a unit vector of order 16 by all
+// exact forms.
 static void forms_equal_wigner_matrices(void **state) {
     (void)state;
     bool (*const forms[])(int, int, const float *, const float *, float *) = {
@@ -141,7 +142,7 @@ static void inverse_and_product_hold(void **state) {
     }
 }
 
-// Around beta = 0, where the first and last rotation are uncertain one by one.
+// Around beta = 0 the first and the last rotation are uncertain one by one.
 static void small_angles_are_exact(void **state) {
     (void)state;
     uint32_t seed = 4;
@@ -191,7 +192,7 @@ static void taylor_errors_fall_as_stated(void **state) {
     assert_true(fabs(error[1][1] / error[0][1] - 0.55) < 0.1);
 }
 
-// By angles and by the matrix of the same angles, exactly and by the series.
+// Rotates by angles and by the matrix of the same angles, exactly and by the series.
 static void angles_and_matrices_agree(void **state) {
     (void)state;
     uint32_t seed = 6;

@@ -56,7 +56,7 @@ static void rays_of_a_pinhole_start_at_the_eye(void **state) {
     assert_true(r.o.x == 1 && r.o.y == 2 && r.o.z == 3 && r.tnear == 0.5f && r.tfar == 8.0f);
     assert_true(v3_dist2(r.d, v3(0, 0, 1)) < 1e-12f);
     assert_true(fabsf(spread - 2.0f / 400.0f) < 1e-8f);
-    // The top left corner: left is +x, up is +y.
+    // The ray is that of the top left corner, where left is +x and up is +y.
     r = camera_ray(scene, 0, 0, 0, 0, &spread);
     vec3 corner = v3_unit(v3(1, 0.5f, 1));
     assert_true(v3_dist2(r.d, corner) < 1e-12f);
@@ -87,7 +87,7 @@ static void a_lens_focuses(void **state) {
     satin_scene_free(scene);
 }
 
-// Numbers of Mitsuba 3.9.
+// The numbers are those of Mitsuba 3.9.
 static void rays_of_an_orthographic_camera_are_parallel(void **state) {
     (void)state;
     struct satin_scene *scene = scene_camera_load(

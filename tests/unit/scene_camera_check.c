@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera that sees nothing, and why: table-driven.
+// A table of cameras that see nothing, each with the reason.
 #include "scene/scene.h"
 #include "scene_case.h"
 
@@ -49,7 +49,7 @@ static const struct {
      "none of 1024 camera rays hits a shape"},
 };
 
-// Equal, or equal around a `*` of `pattern`.
+// Whether two texts are equal, or equal around a `*` of `pattern`.
 static bool scene_camera_check_matches(const char *pattern, const char *text) {
     const char *star = strchr(pattern, '*');
     if (!star) return strcmp(pattern, text) == 0;

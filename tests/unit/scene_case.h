@@ -49,7 +49,7 @@ static inline void scene_case_file(const char *name, const char *text) {
     scene_case_bytes(name, text, strlen(text));
 }
 
-// Loads the text as a scene: a scene, or NULL and one error.
+// Loads the text as a scene. Returns a scene, or NULL with one error.
 static inline satin_scene *scene_case_load(struct scene_case *c, const char *text) {
     satin_scene *scene = NULL;
     struct log log = scene_case_begin(c);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Curves: surface points by Mitsuba 3.9's numbers, rays that leave without hitting the curve again,
-// refusals with place.
+// refusals with their line.
 #include "scene/scene_curve.h"
 
 #include "base/rng.h"

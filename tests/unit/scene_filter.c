@@ -43,7 +43,7 @@ static void filter_samples_are_distributed(void **state) {
                 assert_true(x >= 0 && x < 100);
                 below += x < at;
             }
-            // One step of the sum and one sample.
+            // The tolerance is one step of the sum and one sample.
             double slack = 100.0 / STEPS / films[f].radius + 1.0 / COUNT;
             assert_true(fabs((double)below / COUNT - left / total) < slack);
         }
@@ -59,7 +59,7 @@ static void filter_samples_stay_inside(void **state) {
     }
 }
 
-// Values of Mitsuba 3.9.1 at 0, .5, 1.1, 1.5, 1.9 and 2.5.
+// The values are those of Mitsuba 3.9.1 at 0, .5, 1.1, 1.5, 1.9 and 2.5.
 static void lobes_agree_with_mitsuba(void **state) {
     (void)state;
     static const float at[6] = {0, .5f, 1.1f, 1.5f, 1.9f, 2.5f};

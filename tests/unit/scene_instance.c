@@ -43,7 +43,7 @@ static void an_instance_shows_its_group(void **state) {
     satin_scene *direct = scene_case_load(&c, SCENE_TEXT(SHAPES(MOVED) SHAPES("")));
     satin_scene *instances = load_instances();
     assert_true(direct && instances && instances->group_count == 1);
-    // Boxes of rotated boxes are looser.
+    // The bounds of rotated boxes are looser.
     assert_true(v3_dist2(direct->bounds_lo, instances->bounds_lo) < 64 &&
                 v3_dist2(direct->bounds_hi, instances->bounds_hi) < 64);
     int hits = 0, misses = 0;
@@ -66,7 +66,7 @@ static void an_instance_shows_its_group(void **state) {
             misses++;
             continue;
         }
-        // To some ulp of 100 off the surface, by more along it at a grazing ray.
+        // The hits agree to some ulp of 100 off the surface, and to more along it at a grazing ray.
         assert_true(fabsf(v3_dot(v3_sub(a.p, b.p), a.ng)) < 1e-4f && v3_dist2(a.p, b.p) < 1e-4f);
         // A reflection puts the outside of a sphere inside, but not an instance of it; so it is in
         // Mitsuba.

@@ -149,7 +149,7 @@ static void rays_leave_huge_floors(void **state) {
     }
 }
 
-// A point of a sheet of the scene, straight along n from a random point between the sheets.
+// Returns a point of a sheet of the scene, straight along n from a random point between the sheets.
 static struct interaction point_of_sheet(const struct satin_scene *scene,
                                          const struct mat4 *rotation, vec3 n, float z,
                                          struct rng *rng) {

@@ -167,7 +167,7 @@ static void bumps_rotate_the_frame(void **state) {
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, .8f), .6f, x)) < 1e-10f);
     assert_true(v3_dist2(frame_to_world(&f, b.base[0]), n) < 1e-10f);
     assert_true(fabsf(b.bump[0] - 0.125f * 0.5625f) < 1e-6f);
-    // Behind the facet but above the surface, and the other way round.
+    // The direction is behind the facet but above the surface, and the other way round.
     vec3 wo = frame_to_local(&f, n), under = v3_unit(v3_mad(v3_mul(x, -1), .2f, n));
     assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, under), BRDF_ALL)));
     under = v3_unit(v3_mad(x, -.2f, n));
@@ -176,7 +176,8 @@ static void bumps_rotate_the_frame(void **state) {
     // From directions from which the facet faces away, it is mirrored.
     assert_true(scene_brdf(&scene, &s, v3_unit(v3_mad(v3_mul(x, -1), .2f, n)), &b, &f));
     assert_true(v3_dot(f.n, x) < -0.5f);
-    // From behind: twosided around the map mirrors it at the surface, the map around twosided not.
+    // From behind, twosided around the map mirrors it at the surface, but the map around twosided
+    // does not.
     assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), .6f, x)) < 1e-10f);
     m.back.bump[0].outside = true;
@@ -206,7 +207,7 @@ static void bumps_rotate_one_after_another(void **state) {
     assert_true(v3_dist2(frame_to_world(&f, b.base[0]), n) < 1e-8f);
     assert_true(v3_dist2(frame_to_world(&f, b.base[1]), first) < 1e-8f);
     assert_true(fabsf(b.bump[1] - 0.125f * .16f / .84f) < 1e-5f);
-    // Above the surface and the last facet, but behind the first.
+    // The direction is above the surface and the last facet, but behind the first.
     vec3 wo = frame_to_local(&f, n), wi = v3_unit(v3_mad(n, 2.0f, v3_neg(x)));
     assert_true(v3_dot(wi, n) > 0.0f && v3_dot(wi, f.n) > 0.0f && v3_dot(wi, first) < 0.0f);
     assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, wi), BRDF_ALL)));

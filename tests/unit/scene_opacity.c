@@ -4,7 +4,7 @@
 
 enum { RAYS = 20000 };
 
-// Joins sides under a blend of the given weight.
+// Makes a material of a blend of two sides, with the given weight.
 static struct material_side scene_opacity_join(const struct material_side *a,
                                                const struct material_side *b, float weight,
                                                const struct texture *texture) {

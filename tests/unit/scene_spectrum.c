@@ -30,7 +30,7 @@ static void spectra_become_colours(void **state) {
     assert_true(rgb_black(scene_spectrum_convert("", true)));
 }
 
-// Mitsuba's spectral mode, summed over wavelengths against the observer.
+// The colours are those of Mitsuba's spectral mode, summed over wavelengths against the observer.
 static void black_bodies_have_their_colour(void **state) {
     (void)state;
     scene_spectrum_expect(spectrum_blackbody(3000, 360, 830), 733.11077f, 349.56845f, 112.70958f);

@@ -9,7 +9,8 @@
     "<integrator type='aov'><string name='aovs' value='albedo:albedo,depth:depth,p:position," \
     "uv:uv,ng:geo_normal,n:sh_normal,u:dp_du,v:dp_dv,dx:duv_dx,dy:duv_dy,i:prim_index,"       \
     "s:shape_index'/></integrator>"
-// Looks down the z axis from 4 above: at the middle of the film a pixel is 4 * 2 / 100 wide.
+// The camera looks down the z axis from 4 above; at the middle of the film a pixel is 4 * 2 / 100
+// wide.
 #define CAMERA                                                                                  \
     "<sensor type='perspective'><float name='fov' value='90'/><transform name='to_world'>"      \
     "<lookat origin='0, 0, 4' target='0, 0, 0' up='0, 1, 0'/></transform><film type='hdrfilm'>" \

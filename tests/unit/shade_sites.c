@@ -64,7 +64,7 @@ static void light_is_found_for_adaptive_caching_alone(void **state) {
     assert_int_equal(shade_sites_find_site(true, 30, 60, &site), 1);
     assert_true(plain.direct == 0.0f && rgb_black(plain.diffuse));
     assert_true(v3_dist2(plain.p, site.p) == 0.0f && plain.stream == site.stream);
-    // rho / pi I cos(theta) / d^2 by floats; every light sample is the same.
+    // The radiance is rho / pi I cos(theta) / d^2 by floats, and every light sample is the same.
     const vec3 d = v3_sub(v3(1, 0, 2), site.shading_p);
     const float d2 = v3_len2(d), rho_pi = 0.6f / PI_F;
     assert_float_equal(site.diffuse.r, rho_pi, 1e-5f);

@@ -23,8 +23,8 @@ struct spot_room {
     struct gather_worker *worker;
 };
 
-// `half_angle` of the beam, `rays` of a hemisphere for harmonics of `order` (0: irradiance).
-// max_depth and the first pass are those of `options`.
+// Sets the `half_angle` of the beam, and makes a hemisphere of `rays` for harmonics of `order`, or
+// for irradiance if it is 0. max_depth and the first pass are those of `options`.
 static inline void spot_room_make(struct spot_room *f, float half_angle, satin_options options,
                                   int rays, int order) {
     test_scene_init(&f->scene);

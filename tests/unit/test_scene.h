@@ -75,7 +75,7 @@ static inline uint32_t test_add_shape(struct test_scene *t, struct shape shape) 
     return t->scene.shape_count++;
 }
 
-// [-1, 1]^2 facing +z, transformed.
+// Adds the square [-1, 1]^2 facing +z, transformed.
 static inline uint32_t test_rectangle(struct test_scene *t, struct mat4 m, uint32_t material) {
     struct shape s = {.kind = SHAPE_MESH, .material = material};
     struct mesh_request request = {.to_world = m};
@@ -83,7 +83,7 @@ static inline uint32_t test_rectangle(struct test_scene *t, struct mat4 m, uint3
     return test_add_shape(t, s);
 }
 
-// [-1, 1]^3; inside: the faces look inwards.
+// Adds the cube [-1, 1]^3. If `inside`, its faces look inwards.
 static inline uint32_t test_cube(struct test_scene *t, struct mat4 m, bool inside,
                                  uint32_t material) {
     struct shape s = {.kind = SHAPE_MESH, .material = material, .flip_normals = inside};
@@ -112,7 +112,7 @@ static inline uint32_t test_area_light(struct test_scene *t, uint32_t shape, rgb
     return test_light(t, (struct light){.kind = LIGHT_AREA, .value = radiance, .shape = shape});
 }
 
-// To be called after all is added: builds the structures that trace rays and sample lights.
+// Must be called after all is added. Builds the structures that trace rays and sample lights.
 static inline void test_scene_finish(struct test_scene *t) {
     struct log quiet = {0};
     assert_int_equal(scene_trace_build(&t->scene, quiet), SATIN_OK);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Strict numbers, loose names, nearest names.
+// Numbers are read strictly, names are compared loosely, and the nearest name is suggested.
 #include "base/text.h"
 
 #include <setjmp.h>
