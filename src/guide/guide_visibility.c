@@ -33,17 +33,18 @@ struct learning {
 
 // ---- Environment -------------------------------------------------------------------------------
 
-// What the rays of a cell find of the environment: the square root of its luminance, because its
-// peaks are sampled by radiance.
+// What the rays of a cell find of the environment. The weight of a bin is the root mean square of
+// what it contributes to E, radiance times cosine where it is visible: by these densities the sum
+// of the variances at all points of the cell is least.
 struct sky_tally {
-    float weight[LIGHT_HISTOGRAM_BINS];  // mean weight of a bin
-    float visible, facing;               // sums: visible radiance, and radiance without occlusion
+    float weight[LIGHT_HISTOGRAM_BINS];
+    float visible, facing;  // sums of the root of luminance: where it is visible, and of all
 };
 
 static void trace_bin(const struct learning *l, const struct guide_cell *cell, int bin,
                       struct rng *rng, struct sky_tally *tally) {
     const size_t first = rng_u32(rng) % cell->count;
-    float sum = 0.0f;
+    float squares = 0.0f;
     int asked = 0;
     for (size_t k = 0; k < cell->count && asked < l->rays; k++) {
         const struct guide_cell_point *p = &cell->point[(first + k) % cell->count];
@@ -51,14 +52,15 @@ static void trace_bin(const struct learning *l, const struct guide_cell *cell, i
         const vec3 w = light_histogram_direction(bin, u, v);
         if (!p->both && !(v3_dot(w, p->n) > 0.0f)) continue;
         asked++;
-        const float L = sqrtf(rgb_luminance(light_environment(l->scene, w)));
+        const float L = rgb_luminance(light_environment(l->scene, w));
         if (!(L > 0.0f)) continue;
-        tally->facing += L;
+        tally->facing += sqrtf(L);
         struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
-        if (light_arrives(l->scene, p->p, p->ng, INT_MAX, &sample)) sum += L;
+        if (!light_arrives(l->scene, p->p, p->ng, INT_MAX, &sample)) continue;
+        tally->visible += sqrtf(L);
+        squares += sqrf(L * v3_dot(w, p->n));
     }
-    tally->visible += sum;
-    tally->weight[bin] = asked ? sum / (float)asked : 0.0f;
+    tally->weight[bin] = asked ? sqrtf(squares / (float)asked) : 0.0f;
 }
 
 // Rows end at the poles, columns wrap around.
@@ -84,13 +86,10 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
     if (!(tally.visible > 0.0f)) return;  // the fraction stays 0
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
-    sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, l->visibility->cdf[i]);
-    sample_cuts_build(l->visibility->cdf[i], LIGHT_HISTOGRAM_BINS, LIGHT_HISTOGRAM_CUTS,
-                      l->visibility->cut[i]);
+    light_bins_build(weight, &l->visibility->bins[i]);
     const float hidden = 1.0f - tally.visible / tally.facing;
-    l->visibility->histogram[i] =
-        (struct light_histogram){light->kind == LIGHT_CONSTANT ? FRACTION : FRACTION * hidden,
-                                 l->visibility->cdf[i], l->visibility->cut[i]};
+    l->visibility->histogram[i] = (struct light_histogram){
+        light->kind == LIGHT_CONSTANT ? FRACTION : FRACTION * hidden, &l->visibility->bins[i]};
 }
 
 // ---- Lights -----------------------------------------------------------------------------------

@@ -49,8 +49,7 @@ struct guide_visibility {
     struct guide_cells cells;
     bool sky, choice;  // whether histograms, and whether fractions of the lights, were measured
     struct light_histogram histogram[GUIDE_CELLS_MAX];
-    float cdf[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_BINS + 1];
-    uint32_t cut[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_CUTS + 1];
+    struct light_bins bins[GUIDE_CELLS_MAX];
     float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];  // visible fraction of each light's
                                                         // estimate; > 0
 };

@@ -10,10 +10,19 @@ vec3 light_histogram_direction(int bin, float u, float v) {
         sample_stratum(bin % LIGHT_HISTOGRAM_SIDE, v, LIGHT_HISTOGRAM_SIDE));
 }
 
+void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out) {
+    float sum[LIGHT_HISTOGRAM_SIDE];
+    for (size_t row = 0; row < LIGHT_HISTOGRAM_SIDE; row++)
+        sum[row] = (float)sample_cdf_build(weight + row * LIGHT_HISTOGRAM_SIDE,
+                                           LIGHT_HISTOGRAM_SIDE, out->column[row]);
+    sample_cdf_build(sum, LIGHT_HISTOGRAM_SIDE, out->row);
+}
+
 vec3 light_histogram_sample(const struct light_histogram *histogram, float u, float v) {
-    const int bin =
-        (int)sample_cdf_cut(histogram->cdf, histogram->cut, LIGHT_HISTOGRAM_CUTS, u, &u);
-    return light_histogram_direction(bin, u, v);
+    const struct light_bins *bins = histogram->bins;
+    const int row = (int)sample_cdf(bins->row, LIGHT_HISTOGRAM_SIDE, u, &u);
+    const int column = (int)sample_cdf(bins->column[row], LIGHT_HISTOGRAM_SIDE, v, &v);
+    return light_histogram_direction(row * LIGHT_HISTOGRAM_SIDE + column, u, v);
 }
 
 static int clamp_bin(float x) {
@@ -22,7 +31,8 @@ static int clamp_bin(float x) {
 }
 
 float light_histogram_pdf(const struct light_histogram *histogram, vec3 w) {
-    const int bin =
-        clamp_bin(0.5f - 0.5f * w.z) * LIGHT_HISTOGRAM_SIDE + clamp_bin(azimuth_fraction(w.y, w.x));
-    return (histogram->cdf[bin + 1] - histogram->cdf[bin]) * (LIGHT_HISTOGRAM_BINS * 0.25f / PI_F);
+    const int row = clamp_bin(0.5f - 0.5f * w.z), column = clamp_bin(azimuth_fraction(w.y, w.x));
+    const float *rows = histogram->bins->row, *columns = histogram->bins->column[row];
+    return (rows[row + 1] - rows[row]) * (columns[column + 1] - columns[column]) *
+           (LIGHT_HISTOGRAM_BINS * 0.25f / PI_F);
 }

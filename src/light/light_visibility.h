@@ -16,14 +16,19 @@ struct satin_scene;
 
 enum {
     LIGHT_HISTOGRAM_SIDE = 32,
-    LIGHT_HISTOGRAM_BINS = LIGHT_HISTOGRAM_SIDE * LIGHT_HISTOGRAM_SIDE,
-    LIGHT_HISTOGRAM_CUTS = 64
+    LIGHT_HISTOGRAM_BINS = LIGHT_HISTOGRAM_SIDE * LIGHT_HISTOGRAM_SIDE
+};
+// The distribution of samples over the bins: first a row is drawn by u, then one of its columns by
+// v, so that strata of u and v stay compact regions of directions. Each cdf is as by
+// sample_cdf_build.
+struct light_bins {
+    float row[LIGHT_HISTOGRAM_SIDE + 1];
+    float column[LIGHT_HISTOGRAM_SIDE][LIGHT_HISTOGRAM_SIDE + 1];  // of each row
 };
 // The visible-environment histogram: directions of the world in which the environment is visible.
 struct light_histogram {
-    float fraction;       // of the samples, in [0, 1)
-    const float *cdf;     // of the bins, row by row, as by sample_cdf_build
-    const uint32_t *cut;  // LIGHT_HISTOGRAM_CUTS + 1 indices, as by sample_cuts_build
+    float fraction;  // of the samples, in [0, 1)
+    const struct light_bins *bins;
 };
 
 // Up to this many lights are weighted individually at each point; more are chosen by a tree.
@@ -55,6 +60,8 @@ bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
 // The direction (world) of u, v in [0, 1) within a bin. Rows and columns of bins are along u and v
 // of sample_uniform_sphere.
 vec3 light_histogram_direction(int bin, float u, float v);
+// Distributes samples over the bins in proportion to their weights, which are row by row.
+void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out);
 // As light_sample and light_pdf for the environment, which must exist. A NULL histogram means that
 // all of it is visible.
 bool light_environment_sample(const struct satin_scene *scene,

@@ -46,12 +46,11 @@ static void histograms_do_not_change_the_mean(void **state) {
     test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
     test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(2.0f)});
     test_scene_finish(&t);
-    float weight[LIGHT_HISTOGRAM_BINS], cdf[LIGHT_HISTOGRAM_BINS + 1];
+    float weight[LIGHT_HISTOGRAM_BINS];
+    struct light_bins bins;
     for (int i = 0; i < LIGHT_HISTOGRAM_BINS; i++) weight[i] = i % 7 ? 0.0f : (float)(i % 5);
-    sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, cdf);
-    uint32_t cut[LIGHT_HISTOGRAM_CUTS + 1];
-    sample_cuts_build(cdf, LIGHT_HISTOGRAM_BINS, LIGHT_HISTOGRAM_CUTS, cut);
-    const struct light_histogram histogram = {0.75f, cdf, cut};
+    light_bins_build(weight, &bins);
+    const struct light_histogram histogram = {0.75f, &bins};
     enum { SAMPLES = 1 << 20, PARTS = 8 };
     double sum[PARTS] = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
@@ -74,10 +73,47 @@ static void histograms_do_not_change_the_mean(void **state) {
     test_scene_free(&t);
 }
 
+// A window of 12 x 12 bins, of which a half-plane at an angle is visible. The variance of the
+// number of visible samples among 64 is .070 of that of independent samples; it was .087 when u
+// alone drew the bin and its row, and v only the place within a column.
+static void samples_of_bins_are_stratified(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    test_scene_finish(&t);
+    enum { FIRST = 8, SIDE = 12, SAMPLES = 64, SEEDS = 1024 };
+    float weight[LIGHT_HISTOGRAM_BINS] = {0.0f};
+    struct light_bins bins;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        weight[(FIRST + i / SIDE) * LIGHT_HISTOGRAM_SIDE + FIRST + i % SIDE] = 1.0f;
+    light_bins_build(weight, &bins);
+    const struct light_histogram histogram = {0.99f, &bins};
+    const float side = LIGHT_HISTOGRAM_SIDE, middle = FIRST + 0.5f * SIDE;
+    double squares = 0.0;
+    for (uint32_t seed = 0; seed < SEEDS; seed++) {
+        int visible = 0;
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            const vec2 u = sample_sobol2(i, seed);
+            struct light_sample s;
+            // Only samples by bins.
+            light_environment_sample(&t.scene, &histogram, 0.99f * u.x, u.y, &s);
+            const float y = side * (0.5f - 0.5f * s.wi.z) - middle;
+            const float x = side * azimuth_fraction(s.wi.y, s.wi.x) - middle;
+            visible += 0.4f * x + y > 0.0f;
+        }
+        squares += (double)((visible - SAMPLES / 2) * (visible - SAMPLES / 2)) / SEEDS;
+    }
+    print_message("variance over that of independent samples: %.3f\n", squares / (SAMPLES / 4));
+    assert_true(squares < 0.078 * SAMPLES / 4);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_sun_is_a_disc),
         cmocka_unit_test(histograms_do_not_change_the_mean),
+        cmocka_unit_test(samples_of_bins_are_stratified),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
