@@ -71,7 +71,7 @@ struct shade_pixel_cache {
         vec3 p, n, wo;
         const struct material_side *side;
         float alpha, exponent;   // roughness
-        unsigned knows;          // mask of PIXEL_..., the values that are set
+        unsigned known;          // mask of PIXEL_..., the values that are set
         struct cache_used used;  // records from which E was interpolated
         rgb E;                   // indirect irradiance by either cache
         rgb glossy;              // reflected by the glossy lobes, without the factor brdf.specular

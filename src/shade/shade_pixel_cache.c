@@ -22,6 +22,6 @@ struct shade_pixel_value *shade_pixel_cache_find(struct shade_pixel_cache *cache
     cache->next = (cache->next + 1) % SHADE_PIXEL_VALUES;
     if (cache->count < SHADE_PIXEL_VALUES) cache->count++;
     *e = (struct shade_pixel_value){p->interaction.p, p->frame.n,       wo,         p->side,
-                                    p->brdf.alpha_u,  p->brdf.exponent, .knows = 0u};
+                                    p->brdf.alpha_u,  p->brdf.exponent, .known = 0u};
     return e;
 }

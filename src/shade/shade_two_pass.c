@@ -50,13 +50,13 @@ static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *valu
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
     if (!s->records.cache) return false;
-    if (!(value->knows & PIXEL_IRRADIANCE)) {
+    if (!(value->known & PIXEL_IRRADIANCE)) {
         const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         rgb E;
         value->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
         if (!value->used.count) return false;
         value->E = E;
-        value->knows |= PIXEL_IRRADIANCE;
+        value->known |= PIXEL_IRRADIANCE;
     }
     note_records(job, value->used);
     add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
@@ -70,11 +70,11 @@ static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan
     const struct shading_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!s->records.cache) return false;
-    if (!(value->knows & PIXEL_RADIANCE)) {
+    if (!(value->known & PIXEL_RADIANCE)) {
         const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
         if (!value->used.count) return false;
-        value->knows |= PIXEL_RADIANCE;
+        value->known |= PIXEL_RADIANCE;
     }
     note_records(job, value->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->bump);

@@ -293,8 +293,8 @@ def emitters():
     yield "area_disk", area("disk", down, grey)
     yield "area_disk_textured", area("disk", to_world(
         '<rotate x="1" angle="90"/>', '<translate y="3"/>'), noise.format("radiance", "nearest"))
-    # It has no texture, because light samples of a textured one disagree in Mitsuba 3.9 with its own
-    # BSDF samples.
+    # It has no texture, because light samples of a textured one disagree in Mitsuba 3.9 with BSDF
+    # samples.
     yield "area_cylinder", area("cylinder", "", grey, '<point name="p0" x="-1" y="2.8" z="0"/>'
                                 '<point name="p1" x="1" y="3.2" z="0"/>', real("radius", 0.2))
     yield "area_cube", area("cube", to_world('<scale value="0.3"/>', TILT,
