@@ -57,7 +57,7 @@ class Reference:
         self.noise = np.maximum(self.noise, smooth(self.noise))
         self.spp = np.full(size, PARTS * COARSE)
         for file in sorted(os.listdir(self.folder)):
-            tile = re.fullmatch(r"tile-(\d+)-(\d+)-(\d+)-0\.exr", file)
+            tile = re.fullmatch(rf"tile-(\d+)-(\d+)-(\d+)-{PARTS - 1}\.exr", file)
             if tile:
                 x, y, spp = (int(v) for v in tile.groups())
                 if PARTS * spp > self.spp[y, x]:
@@ -75,7 +75,7 @@ class Reference:
         left, top = max(x - MARGIN, 0), max(y - MARGIN, 0)
         right, bottom = (min(v + SIDE + MARGIN, most) for v, most in ((x, self.width),
                                                                       (y, self.height)))
-        scene = os.path.join(self.folder, "crop.xml")
+        scene = os.path.join(self.folder, f"tile-{x:03d}-{y:03d}.xml")
         self.write_crop(scene, left, top, right - left, bottom - top)
         parts = means(np.array([self.part(scene, f"tile-{x:03d}-{y:03d}-{spp}-{i}", spp, 2000 + i)
                                 for i in range(PARTS)]))

@@ -162,7 +162,7 @@ int render_budget_missing_rays(const satin_options *options);
 // samples so far. Each pixel divides its time between both by it.
 float render_budget_sample_cost(const struct shade_counts *counts);
 // The number of eye rays for emission alone at each of the pixels at rims: a power of two.
-uint32_t render_budget_rim_rays(size_t pixels, size_t at_rims);
+uint32_t render_budget_rim_rays(const satin_options *options, size_t pixels, size_t at_rims);
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
 

@@ -99,7 +99,7 @@ satin_status render_rims(struct render *r, bool *whole) {
     }
     find_rims(&rims);
     if (image->rim_rays == 0 && rims.count > 0)
-        image->rim_rays = render_budget_rim_rays(pixels, rims.count);
+        image->rim_rays = render_budget_rim_rays(&r->second_pass.options, pixels, rims.count);
     *whole = parallel_for(r->pool, rims.count, CHUNK, trace_rims, &rims);
     stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);

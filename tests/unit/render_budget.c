@@ -224,12 +224,24 @@ static void first_samples_are_few(void **state) {
 
 static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
     (void)state;
-    const size_t pixels = 160000;
-    for (size_t rims = 1; rims <= pixels; rims *= 2) {
-        const uint32_t rays = render_budget_rim_rays(pixels, rims);
-        assert_true(rays >= 1 && rays <= 128 && (rays & (rays - 1)) == 0);
-        assert_true(rays * rims <= 16 * pixels);
-        assert_true(rays == 128 || 2 * rays * rims > 16 * pixels);
+    const size_t pixels = 1 << 16;
+    // Most rays of a pixel, by samples per pixel or seconds.
+    static const struct {
+        int spp;
+        double time;
+        uint32_t most;
+    } row[] = {{1, 0.0, 128},    {9, 0.0, 256}, {16, 0.0, 512}, {36, 0.0, 1024},
+               {512, 0.0, 1024}, {9, 1.0, 128}, {9, 8.0, 512},  {9, 1e9, 1024}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        satin_options o = satin_options_default;
+        o.spp = row[i].spp;
+        o.time = row[i].time;
+        for (size_t rims = 1; rims <= pixels; rims *= 2) {
+            const uint32_t rays = render_budget_rim_rays(&o, pixels, rims);
+            assert_true(rays > 0 && (rays & (rays - 1)) == 0);
+            assert_true(rays * rims <= 16 * pixels);
+            assert_true(rays == row[i].most || 2 * rays * rims > 16 * pixels);
+        }
     }
 }
 
