@@ -75,7 +75,7 @@ static void histograms_do_not_change_the_mean(void **state) {
 
 // A window of 12 x 12 bins, of which a half-plane at an angle is visible. The variance of the
 // number of visible samples among 64 is .070 of that of independent samples; it was .087 when u
-// alone drew the bin and its row, and v only the place within a column.
+// alone drew the bin and its row, and v only the position within a column.
 static void samples_of_bins_are_stratified(void **state) {
     (void)state;
     struct test_scene t;
