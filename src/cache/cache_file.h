@@ -6,7 +6,7 @@
 
 #include "cache/cache.h"
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are written as memory lies");
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files have the byte order of memory");
 
 enum { CACHE_FILE_VERSION = 2 };
 

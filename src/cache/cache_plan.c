@@ -61,9 +61,9 @@ rgb cache_diffuse_albedo(const struct shading_point *p) {
 unsigned cache_plan_kinds(const struct cache_reader *reader, const struct shading_point *p) {
     struct cache_plan plan;
     cache_plan_make(reader, p, &plan);
-    unsigned wants = plan.cached ? 1u << CACHE_RADIANCE : 0u;
-    if (plan.diffuse && reader->options->irradiance_cache) wants |= 1u << CACHE_IRRADIANCE;
-    return wants;
+    unsigned kinds = plan.cached ? 1u << CACHE_RADIANCE : 0u;
+    if (plan.diffuse && reader->options->irradiance_cache) kinds |= 1u << CACHE_IRRADIANCE;
+    return kinds;
 }
 
 unsigned cache_add_reflected(const struct cache_reader *reader, const struct shading_point *y,

@@ -29,7 +29,7 @@ struct fill_site {
     struct frame frame;  // shading frame; n on the same side
     float pixel;         // width of a projected pixel at p, across the line of sight; > 0
     uint64_t stream;     // random stream, unique to the site
-    uint8_t wants;       // kinds of records that the surface reads, a mask of 1 << cache_kind
+    uint8_t kinds;       // kinds of records that the surface reads, a mask of 1 << cache_kind
     struct fill_glossy glossy;  // all zero: the site is not seen
     // Used by fill_adapt only:
     vec3 shading_p;  // the point that is seen; p is this point, moved off an edge

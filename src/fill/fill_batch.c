@@ -67,9 +67,9 @@ static const float UNSURE = 0.4f;
 
 // ---- Choosing the sites of a batch --------------------------------------------------------------
 
-// The number of members of a batch. Large batches use many threads, but members do not know each
-// other's records, so more records are made. The size is one site in BATCH_SITES, independent of
-// the threads, as the records depend on it. Compared to batches of BATCH_LEAST it made .5 to 3 %
+// The number of members of a batch. Large batches use many threads, but members are chosen without
+// each other's records, so more records are made. The size is one site in BATCH_SITES, independent
+// of the threads, as the records depend on it. Compared to batches of BATCH_LEAST it made .5 to 3 %
 // more records at 200x200 (draft and preview of cornell-glossy, indirect-room and vase, three seeds
 // each), whose images had .96 to 1.01 times the relative squared error, and 11 % more at 400x400
 // (draft, indirect-room). 512 at all levels made up to 30 % more. The selection tests all pairs on
@@ -321,7 +321,7 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
         array_new((size_t)(b->size * 10 * b->store->order * b->store->order), sizeof(float));
     if (b->waiting && b->job && b->coefficients) status = SATIN_OK;
     for (size_t i = 0; i < sites->count && status == SATIN_OK; i++)
-        if (sites->site[i].wants >> kind & 1u) b->waiting[b->last++] = &sites->site[i];
+        if (sites->site[i].kinds >> kind & 1u) b->waiting[b->last++] = &sites->site[i];
     while (b->next < b->last && status == SATIN_OK) {
         parallel_begin_part(fill->pool, "choose");
         bool whole = choose_batch(b);

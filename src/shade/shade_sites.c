@@ -51,8 +51,8 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
     for (int i = 0; i < eye.count && count < max; i++) {
         const struct shade_vertex *v = &eye.vertex[i];
         const struct interaction *s = &v->point.interaction;
-        const unsigned wants = cache_plan_kinds(&shade->records, &v->point);
-        if (!wants) continue;
+        const unsigned kinds = cache_plan_kinds(&shade->records, &v->point);
+        if (!kinds) continue;
         struct fill_site *site = &out[count++];
         *site = (struct fill_site){
             .p = g->options->origin_shift ? scene_shift_origin(g->scene, s, SHIFT_PIXELS * v->pixel)
@@ -61,7 +61,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
             .frame = v->point.base,
             .pixel = v->pixel,
             .stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)i),
-            .wants = (uint8_t)wants,
+            .kinds = (uint8_t)kinds,
         };
         add_glossy(shade, &v->point, &site->glossy);
         if (adaptive) add_light(shade, &v->point, sampler, site);

@@ -40,13 +40,13 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill
         if (!gather_follow(g, ray, &sampler, &first, &p)) return false;
         length += first.r;
     }
-    unsigned wants = cache_plan_kinds(&shade->records, &p);
+    unsigned kinds = cache_plan_kinds(&shade->records, &p);
     uint64_t stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)bounce);
     *out = (struct fill_site){.p = p.interaction.p,
                               .ng = p.interaction.ng,
                               .frame = p.base,
                               .pixel = FOOTPRINT * length,
                               .stream = stream,
-                              .wants = (uint8_t)wants};
-    return wants != 0;
+                              .kinds = (uint8_t)kinds};
+    return kinds != 0;
 }

@@ -32,7 +32,7 @@ static void fill_adaptive_start(struct fill_case *f, int threads) {
     f->options.irradiance_min_pixels = 1.0f;
     fill_case_finish(
         f, 0, threads, v3(0, 0, 0), v3(0.5f, 0, 0), v3(0, 0.5f, 0),
-        (struct fill_site){.pixel = CACHE_ADAPTIVE_PIXEL, .wants = 1 << CACHE_IRRADIANCE});
+        (struct fill_site){.pixel = CACHE_ADAPTIVE_PIXEL, .kinds = 1 << CACHE_IRRADIANCE});
 }
 
 // Fills, then converges beside direct light of that luminance; returns how many records were added.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filling a cache: every site that wants a record is covered, members of a batch lie apart, records
+// Filling a cache: every site that needs a record is covered, members of a batch lie apart, records
 // whose value depends on a few rays are gathered again, and new ones among adapted ones take their
 // scale.
 #include <setjmp.h>
@@ -25,7 +25,7 @@ static void fill_start(struct fill_case *f) {
     f->options.irradiance_a = 0.2f;
     f->options.irradiance_min_pixels = 2.0f;
     fill_case_finish(f, 0, 2, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-                     (struct fill_site){.pixel = 0.1f, .wants = 1 << CACHE_IRRADIANCE});
+                     (struct fill_site){.pixel = 0.1f, .kinds = 1 << CACHE_IRRADIANCE});
 }
 
 static void fill_all_sites(struct fill_case *f, struct fill_sites sites) {
@@ -41,21 +41,21 @@ static bool is_covered(const struct fill_case *f, const struct fill_site *s) {
                       f->options.irradiance_a, near) > 0;
 }
 
-static void sites_that_want_records_are_covered(void **state) {
+static void sites_that_need_records_are_covered(void **state) {
     (void)state;
     struct fill_case f;
     fill_start(&f);
     // The sites of one half need no records, and are too far from the others to be covered by
     // theirs.
     for (int i = 0; i < FILL_CASE_SITES; i++)
-        if (f.site[i].p.x > 0.0f) f.site[i].wants = 1 << CACHE_RADIANCE;
+        if (f.site[i].p.x > 0.0f) f.site[i].kinds = 1 << CACHE_RADIANCE;
     // Farther apart than the influence radius of a record: sites between the members of a batch
     // must wait.
     fill_all_sites(&f, (struct fill_sites){.count = FILL_CASE_SITES, .spacing = 5.0f});
     int bare = 0;
     for (int i = 0; i < FILL_CASE_SITES; i++) {
-        const bool wants = f.site[i].wants & 1 << CACHE_IRRADIANCE;
-        if (wants) assert_true(is_covered(&f, &f.site[i]));
+        const bool needed = f.site[i].kinds & 1 << CACHE_IRRADIANCE;
+        if (needed) assert_true(is_covered(&f, &f.site[i]));
         bare += !is_covered(&f, &f.site[i]);
     }
     assert_true(bare > FILL_CASE_SITES / 4);
@@ -115,7 +115,7 @@ static void records_of_few_rays_are_gathered_again(void **state) {
     f.options.irradiance_rays = RAYS;
     f.options.irradiance_a = 0.2f;
     fill_case_finish(&f, 0, 2, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-                     (struct fill_site){.pixel = 0.1f, .wants = 1 << CACHE_IRRADIANCE});
+                     (struct fill_site){.pixel = 0.1f, .kinds = 1 << CACHE_IRRADIANCE});
     assert_int_equal(fill_limit_rays(f.fill, 0.1f), SATIN_OK);
     fill_all_sites(&f, (struct fill_sites){.count = FILL_CASE_SITES, .spacing = 1.0f});
     const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
@@ -160,7 +160,7 @@ static void new_records_take_the_scale_of_adapted_ones(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sites_that_want_records_are_covered),
+        cmocka_unit_test(sites_that_need_records_are_covered),
         cmocka_unit_test(members_of_a_batch_lie_apart),
         cmocka_unit_test(records_of_few_rays_are_gathered_again),
         cmocka_unit_test(new_records_take_the_scale_of_adapted_ones),

@@ -25,7 +25,7 @@ static void fill_rays_start(struct fill_case *f, int threads, float noise) {
     f->options.irradiance_noise = f->options.radiance_noise = noise;
     fill_case_finish(
         f, 4, threads, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-        (struct fill_site){.pixel = 0.01f, .wants = 1 << CACHE_IRRADIANCE | 1 << CACHE_RADIANCE});
+        (struct fill_site){.pixel = 0.01f, .kinds = 1 << CACHE_IRRADIANCE | 1 << CACHE_RADIANCE});
 }
 
 // Some coarse records, then finer ones among them; returns how many were coarse.

@@ -38,7 +38,7 @@ static void fill_residual_start(struct fill_residual_fixture *f, bool viewed) {
                    .kind = LIGHT_POINT, .position = v3(0.7f, 0.5f, 0.6f), .value = rgb_grey(1.0f)});
     c->options.radiance_rays = RAYS;
     fill_case_finish(c, ORDER, 1, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-                     (struct fill_site){.pixel = 0.01f, .wants = 1 << CACHE_RADIANCE});
+                     (struct fill_site){.pixel = 0.01f, .kinds = 1 << CACHE_RADIANCE});
     assert_int_equal(brdf_range_build(&brdf, NULL, &fit, c->pool, &f->range), SATIN_OK);
     if (viewed) c->site[0].glossy = (struct fill_glossy){shiny(), f->range, 1, NAME, WO};
     struct fill_sites sites = {

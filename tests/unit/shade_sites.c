@@ -52,7 +52,7 @@ static void a_site_has_its_position_and_stream(void **state) {
     assert_true(v3_dist2(site.frame.n, v3(0, 0, 1)) < 1e-10f);
     assert_true(v3_dist2(site.ng, v3(0, 0, 1)) < 1e-10f);
     assert_float_equal(site.pixel, 0.08f, 1e-3f);
-    assert_int_equal(site.wants, 1 << CACHE_IRRADIANCE);
+    assert_int_equal(site.kinds, 1 << CACHE_IRRADIANCE);
     assert_null(site.glossy.table);
     assert_true(site.stream != other.stream);
 }
