@@ -23,7 +23,7 @@ import scipy.ndimage
 import runs
 
 WEIGHTS = (0.2126, 0.7152, 0.0722)
-SIDE, MARGIN = 20, 2  # of a tile; pixels around it that its means need
+SIDE, MARGIN = 20, 5  # of a tile; pixels around it that its means need, and a filter's radius
 PARTS = 8             # images of a reference, whose differences give its noise
 COARSE = 128          # samples per pixel of each part over the whole film
 FINEST = 16384        # samples per pixel and part of the finest tile

@@ -28,10 +28,12 @@ void cache_free(struct cache *cache);  // NULL is allowed
 
 // A point at which interpolated light is needed.
 struct cache_lookup {
-    vec3 p, n;              // position, and normal without bump and normal maps
-    struct frame frame;     // of the BRDF; its n is the normal with bump and normal maps
-    float fallback_radius;  // where no record is accurate enough, the nearest one within this
-                            // distance is used; 0: none is
+    vec3 p, n;               // position, and normal without bump and normal maps
+    struct frame frame;      // of the BRDF; its n is the normal with bump and normal maps
+    float fallback_radius;   // where no record is accurate enough, the nearest one within this
+                             // distance is used; 0: none is
+    float gather_deviation;  // relative standard deviation of gathering at the point instead of
+                             // reading records
 };
 
 // Sums over the records of an interpolation. A fallback record has weight 1.
@@ -149,7 +151,7 @@ unsigned cache_add_reflected(const struct cache_reader *reader, const struct sha
 // The point of a cache lookup. If no record is accurate enough there, the nearest one up to the
 // distance `fallback` is used.
 static inline struct cache_lookup cache_lookup_at(const struct shading_point *p, float fallback) {
-    return (struct cache_lookup){p->interaction.p, p->base.n, p->frame, fallback};
+    return (struct cache_lookup){p->interaction.p, p->base.n, p->frame, fallback, 0.0f};
 }
 // The number by which records identify a point's glossy lobes; 0 if textures change their shape.
 static inline uint32_t cache_lobe_number(const struct shading_point *p) {

@@ -120,6 +120,25 @@ static bool is_oversized(const struct cache *cache, ratio_fn *ratio, const struc
     return sum > 0.5f * weights;
 }
 
+// The luminance by single records, weighted sums.
+struct spread {
+    float weight, Y, Y2;
+};
+
+static void add_spread(struct spread *sum, const struct taylor *t, float weight) {
+    const float Y = rgb_luminance(value_alone(t));
+    sum->weight += weight;
+    sum->Y += weight * Y;
+    sum->Y2 += weight * Y * Y;
+}
+
+// Where records are oversized, their disagreement is the error of interpolation. It is accepted if
+// gathering is noisier.
+static bool spread_exceeds(const struct spread *sum, float gather_deviation) {
+    const float variance = sum->weight * sum->Y2 - sqrf(sum->Y);
+    return variance > sqrf(gather_deviation * sum->Y);
+}
+
 // Adds one record to the sums; `a` is that of the options.
 static void add_used(struct cache_used *used, const struct cache_head *h, float weight, float a,
                      uint32_t rays) {
@@ -134,15 +153,20 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || is_oversized(cache, irradiance_ratio, near, count)) return used;
+    if (count == 0) return used;
     struct taylor sum = {0};
+    struct spread spread = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const struct taylor t = irradiance_of(cache, record, at, a);
         add_record(&sum, &t, near[i].weight);
+        add_spread(&spread, &t, near[i].weight);
         add_used(&used, &tree->head[record], near[i].weight, whole,
                  cache->irradiance[record].value.rays);
     }
+    if (is_oversized(cache, irradiance_ratio, near, count) &&
+        (count == 1 || spread_exceeds(&spread, at->gather_deviation)))
+        return (struct cache_used){0};
     *E = mean_value(&sum, used.weight);
     return used;
 }
@@ -199,10 +223,11 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || is_oversized(cache, radiance_ratio, near, count)) return used;
+    if (count == 0) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     struct taylor reflected = {0}, diffuse = {0};
+    struct spread glossy_spread = {0}, diffuse_spread = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const float w = near[i].weight;
@@ -210,13 +235,19 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
         if (lobe) {
             t = radiance_of(cache, record, at, a, *lobe, NULL);
             add_record(&reflected, &t, w);
+            add_spread(&glossy_spread, &t, w);
         }
         if (E) {
             t = radiance_of(cache, record, at, a, cosine, NULL);
             add_record(&diffuse, &t, w);
+            add_spread(&diffuse_spread, &t, w);
         }
         add_used(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
     }
+    if (is_oversized(cache, radiance_ratio, near, count) &&
+        (count == 1 || spread_exceeds(&glossy_spread, at->gather_deviation) ||
+         spread_exceeds(&diffuse_spread, at->gather_deviation)))
+        return (struct cache_used){0};
     if (lobe) *glossy = mean_value(&reflected, used.weight);
     if (E) *E = mean_value(&diffuse, used.weight);
     return used;

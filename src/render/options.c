@@ -42,7 +42,7 @@ const satin_options satin_options_default = {
     .radiance_max_pixels = 12.0f,
     .adaptive_cache = true,
     .origin_shift = true,
-    .gather_radius_ratio = 0.05f,
+    .gather_radius_ratio = 0.3f,
     .leak_test = true,
 };
 

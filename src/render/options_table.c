@@ -185,7 +185,8 @@ const struct option options_table[] = {
      "pixels; 0 is no limit."},
     {"gather-radius-ratio", OPTION_FLOAT, AT(gather_radius_ratio), false, "0..1",
      "The image pass gathers instead of interpolating where the radius R that records should have "
-     "is below this fraction of the least R, as near contacts of surfaces; 0 is nowhere."},
+     "is below this fraction of the least R, as near contacts of surfaces, and records disagree by "
+     "more than the noise of gathering; 0 is nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
      "Records do not contribute to points from which a wall separates them."},
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",

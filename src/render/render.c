@@ -122,7 +122,7 @@ static satin_status prepare_second_pass(struct render *r) {
     pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
     if (!pass->fill) return SATIN_ERROR_MEMORY;
     return shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache,
-                      render_budget_missing_rays(&r->options), r->pool);
+                      render_budget_missing(&r->options), r->pool);
 }
 
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
@@ -138,7 +138,7 @@ static satin_status sample_coarse(struct render *r, enum render_course course) {
         shade_destroy(&pass->shade);
         pass->gather = gather_make(&r->scene, &pass->options, NULL);
         satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL,
-                                         render_budget_missing_rays(&r->options), r->pool);
+                                         render_budget_missing(&r->options), r->pool);
         if (status != SATIN_OK) return status;
     }
     render_limit_coarse(r);

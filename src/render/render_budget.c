@@ -102,6 +102,8 @@ enum {
     FIRST_MOST = 256,  // largest number of those pixels, so that an image of any size has its first
                        // samples after a moment; finer pixels follow until the time is over
     MISSING_RAYS = 8,  // of one sample where no record is near, without a time limit
+    TIMED_SAMPLES = 16,  // a typical number of samples per pixel with a time limit; it is not known
+                         // when it is first needed
     // Rays of one pixel at a rim, a power of two: whole nets. Just beyond the edge of a lamp the
     // filter's tail sees some thousandths of it, which light the pixel as much as all else: with
     // 128 rays, means of 5x5 pixels of metal-room were up to 7 % off there.
@@ -414,7 +416,13 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
 
 // With a time limit it is one ray, because more samples of the pixel gain more than more rays of a
 // sample.
-int render_budget_missing_rays(const satin_options *o) { return o->time > 0.0 ? 1 : MISSING_RAYS; }
+//
+// The standard deviation of light along one ray of a hemisphere is about its mean.
+struct shade_missing render_budget_missing(const satin_options *o) {
+    const int rays = o->time > 0.0 ? 1 : MISSING_RAYS;
+    const int samples = o->time > 0.0 ? TIMED_SAMPLES : o->spp > 1 ? o->spp : 1;
+    return (struct shade_missing){rays, 1.0f / sqrtf((float)rays * (float)samples)};
+}
 
 // About four for the eye ray and its surface, two for interpolated light, six for a gather ray with
 // its lookups.

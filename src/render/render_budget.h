@@ -20,6 +20,7 @@
 
 #include "cache/cache.h"
 #include "photon/photon.h"
+#include "shade/shade.h"
 
 struct render;
 struct shade_counts;
@@ -156,8 +157,8 @@ uint32_t render_budget_equal_samples(const satin_options *options);
 // time of the last ones is known well. Until all pixels have their equal samples, it is a multiple
 // of the number of pixels. 0: no further pass.
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds);
-// The number of gather rays of one sample where no record is near.
-int render_budget_missing_rays(const satin_options *options);
+// How samples gather where no record is near.
+struct shade_missing render_budget_missing(const satin_options *options);
 // The cost of a sample without light samples, over that of a light sample, by the counts of all
 // samples so far. Each pixel divides its time between both by it.
 float render_budget_sample_cost(const struct shade_counts *counts);

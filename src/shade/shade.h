@@ -40,11 +40,17 @@ static inline bool shade_sample_finite(const struct shade_sample *s) {
     return finite;
 }
 
+// Gathering by samples where no record is near, or where records are too large.
+struct shade_missing {
+    int rays;         // of one sample
+    float deviation;  // relative standard deviation of the mean of a pixel's samples
+};
+
 // Constants of an image pass, and what each worker gathers with.
 struct shade {
     const struct gather *g;
     struct cache_reader records;  // how the image pass reads them
-    int missing_rays;             // of one sample where no record is near
+    struct shade_missing missing;
     struct film_filter filter;
     float sharpness;               // width of a sample's footprint, in pixels; 0: a point
     struct gather_layout *gather;  // hemisphere for points where a cache is off
@@ -52,10 +58,10 @@ struct shade {
     int worker_count;
 };
 
-// `missing_rays` is at least 1 and at most SATIN_GLOSSY_SAMPLES_MAX.
+// `missing.rays` is at least 1 and at most SATIN_GLOSSY_SAMPLES_MAX.
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct cache_tables *tables, const struct cache *cache,
-                        int missing_rays, struct parallel *pool);
+                        struct shade_missing missing, struct parallel *pool);
 void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
 // Counts of a chunk of samples, which the caller adds up.

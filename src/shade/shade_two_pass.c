@@ -51,7 +51,8 @@ static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *valu
     const struct shading_point *p = &job->vertex->point;
     if (!s->records.cache) return false;
     if (!(value->known & PIXEL_IRRADIANCE)) {
-        const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
+        struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
+        at.gather_deviation = s->missing.deviation;
         rgb E;
         value->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
         if (!value->used.count) return false;
@@ -71,7 +72,8 @@ static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!s->records.cache) return false;
     if (!(value->known & PIXEL_RADIANCE)) {
-        const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
+        struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
+        at.gather_deviation = s->missing.deviation;
         value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
         if (!value->used.count) return false;
         value->known |= PIXEL_RADIANCE;
@@ -194,7 +196,7 @@ static void sample_missing(struct shade_job *job, unsigned lobes) {
     const struct lobe_sampling by = {
         gather_single_find(job->shade->g, &v->point, v->pixel, job->worker->gather.singles),
         lobes,
-        job->shade->missing_rays,
+        job->shade->missing.rays,
         0.0f,
         MISSING_DIMENSION,
         rng_mix(job->pixel_stream + 1)};

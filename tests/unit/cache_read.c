@@ -41,7 +41,8 @@ static void cache_read_start(struct cache_read_fixture *f) {
 }
 
 static struct cache_lookup cache_read_lookup(float x) {
-    return (struct cache_lookup){v3(x, 0, 0), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
+    return (struct cache_lookup){
+        .p = v3(x, 0, 0), .n = v3(0, 0, 1), .frame = frame_from_normal(v3(0, 0, 1))};
 }
 
 static bool cache_read_near(float x, float wanted) { return fabsf(x - wanted) < 1e-5f; }
@@ -90,6 +91,35 @@ static void errors_of_second_order_cancel(void **state) {
     cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
+// Records that are larger than they should be are read if they agree better than gathering would.
+static void oversized_records_that_disagree_are_not_read(void **state) {
+    (void)state;
+    struct cache_read_fixture f;
+    cache_read_start(&f);
+    satin_options options = *f.cache.options;
+    f.cache.options = &options;
+    for (int i = 0; i < RECORDS; i++) {
+        f.record[i].value.E = rgb_grey(i ? 1.2f : 1.0f);
+        f.record[i].radius_ratio = 0.1f;
+    }
+    struct cache_lookup at = cache_read_lookup(0.2f);  // where both have the same weight
+    rgb E;
+    options.gather_radius_ratio = 0.05f;
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 2);
+    options.gather_radius_ratio = 0.3f;
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
+    // They deviate from their mean by .1 / 1.1.
+    at.gather_deviation = 0.09f;
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
+    at.gather_deviation = 0.092f;
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 2);
+    assert_true(cache_read_near(E.r, 1.1f));
+    // What a single record hides is not known.
+    at.p.x = -0.4f;
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
+    cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
+}
+
 static void no_record_is_found_far_away(void **state) {
     (void)state;
     struct cache_read_fixture f;
@@ -120,6 +150,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_records_of_a_value_are_reported),
         cmocka_unit_test(errors_of_second_order_cancel),
+        cmocka_unit_test(oversized_records_that_disagree_are_not_read),
         cmocka_unit_test(no_record_is_found_far_away),
         cmocka_unit_test(positions_of_records_are_found),
     };

@@ -118,8 +118,14 @@ static void rays_per_bin_grow_with_photons(void **state) {
 
 static void samples_gather_less_with_a_limit(void **state) {
     (void)state;
-    assert_int_equal(render_budget_missing_rays(&(satin_options){.time = 0.0}), 8);
-    assert_int_equal(render_budget_missing_rays(&(satin_options){.time = 1.0}), 1);
+    // A pixel of 16 samples has 128 rays, or 16 with a time limit.
+    const struct shade_missing plain = render_budget_missing(&(satin_options){.spp = 16}),
+                               timed = render_budget_missing(
+                                   &(satin_options){.spp = 1 << 20, .time = 1.0});
+    assert_int_equal(plain.rays, 8);
+    assert_int_equal(timed.rays, 1);
+    assert_true(fabsf(sqrf(plain.deviation) * 128.0f - 1.0f) < 1e-5f);
+    assert_true(fabsf(sqrf(timed.deviation) * 16.0f - 1.0f) < 1e-5f);
     const struct shade_counts none = {0}, counts = {.samples = 2, .points = 2, .rays = 1};
     assert_true(render_budget_sample_cost(&none) == 1.0f);
     assert_true(render_budget_sample_cost(&counts) == 7.0f);
