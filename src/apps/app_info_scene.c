@@ -205,7 +205,7 @@ static void print_lights(const struct satin_scene *scene) {
     for (uint32_t i = 0; i < scene->light_count && i < SHOWN; i++) {
         const struct light *light = &scene->light[i];
         printf("  %-12s power %.4g W (%.3g %%)\n",
-               light->sun_chord > 0.0f ? "preethamsky" : name[light->kind], (double)light->power,
+               light->sun_chord > 0.0f ? "sunsky" : name[light->kind], (double)light->power,
                total > 0.0 ? 100.0 * (double)light->power / total : 0.0);
     }
     if (scene->light_count > SHOWN) printf("  and %" PRIu32 " more\n", scene->light_count - SHOWN);

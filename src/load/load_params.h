@@ -154,8 +154,7 @@ const char *load_plugin_noun(enum xml_tag tag);
 
 extern const struct plugin_spec load_bsdf_plugins[], load_texture_plugins[], load_shape_plugins[],
     load_group_plugins[], load_emitter_plugins[], load_sensor_plugins[], load_film_plugins[],
-    load_integrator_plugins[], load_spectrum_plugins[],
-    load_sun_plugins[];  // the last is for files of version 0.6 only
+    load_integrator_plugins[], load_spectrum_plugins[], load_daylight_plugins[];
 
 // Named indices of refraction (load_ior.c). False if the name is unknown. The names can be listed
 // by index; NULL beyond the last.

@@ -16,7 +16,7 @@ static const struct plugin_spec *const tables[] = {load_shape_plugins,
                                                    load_film_plugins,
                                                    load_integrator_plugins,
                                                    load_spectrum_plugins,
-                                                   load_sun_plugins,
+                                                   load_daylight_plugins,
                                                    NULL};
 
 // Plugins that Mitsuba 3 has and satin does not read.
@@ -32,8 +32,7 @@ static const char *const unread_bsdfs[] = {"measured",           "hair",     "pp
                                            "measured_polarized", NULL};
 static const char *const unread_textures[] = {"volume",    "volumeadapter", "vertexcolors",
                                               "wireframe", "curvature",     NULL};
-static const char *const unread_emitters[] = {"sunsky", "timed_sunsky", "sky",
-                                              "sun",    "volumelight",  NULL};
+static const char *const unread_emitters[] = {"timed_sunsky", "volumelight", NULL};
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
@@ -57,12 +56,6 @@ static bool is_unread(const struct xml_node *node) {
             if (strcmp(*name, node->type) == 0) return true;
     }
     return false;
-}
-
-// What replaces a plugin that was not read, as the end of a message.
-static const char *substitute(const struct xml_node *node) {
-    bool sky = node->tag == XML_EMITTER && (strstr(node->type, "sky") || strstr(node->type, "sun"));
-    return sky ? "; 'preethamsky' is a sky by formulas, which looks a little different" : "";
 }
 
 static bool is_named(const struct plugin_spec *plugin, const char *type) {
@@ -105,9 +98,7 @@ static const char *substitute_type(enum xml_tag tag) {
 static const struct plugin_spec *find_named(const struct xml_node *node, const char *name) {
     for (int t = 0; tables[t]; t++)
         for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
-            if (plugin->tag == node->tag && is_named(plugin, name) &&
-                (node->mitsuba06 || tables[t] != load_sun_plugins))
-                return plugin;
+            if (plugin->tag == node->tag && is_named(plugin, name)) return plugin;
     return NULL;
 }
 
@@ -117,8 +108,7 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
     const char *noun = load_plugin_noun(node->tag), *nearest = nearest_name(node);
     const char *plain = substitute_type(node->tag);
     if (is_unread(node)) {
-        log_error_at(log, node->place, "%s '%s' is not supported%s", noun, node->type,
-                     substitute(node));
+        log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);
     } else if (nearest) {
         log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,
                      nearest);

@@ -138,28 +138,6 @@ static const struct param_spec slide_focal_length = {
     NULL,
     "The focal length for 35 mm film, in millimetres, instead of `fov`."};
 
-static const struct param_spec haze = {"turbidity",
-                                       PARAM_FLOAT,
-                                       "3",
-                                       RANGE_POSITIVE,
-                                       0,
-                                       NULL,
-                                       "The turbidity of the air: 2 is very clear, 10 hazy."};
-static const struct param_spec sky_sun_direction = {
-    "sun_direction", PARAM_POINT, "1 1 1", 0, 0, NULL, "The direction to the sun in world space."};
-static const struct param_spec sky_scale = {
-    "sky_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the sky."};
-static const struct param_spec sun_scale = {
-    "sun_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the sun."};
-static const struct param_spec sun_aperture = {
-    "sun_aperture",
-    PARAM_FLOAT,
-    "0.5338",
-    RANGE_POSITIVE,
-    0,
-    NULL,
-    "The angle that the sun subtends, in degrees. Its power does not depend on it."};
-
 typedef const struct param_spec *const param_list[];
 static param_list area_params = {&surface_radiance, &sampling_weight, NULL};
 static param_list point_params = {&intensity, &light_position, &light_to_world, &sampling_weight,
@@ -174,9 +152,6 @@ static param_list directional_params = {&irradiance, &light_direction, &light_to
 static param_list constant_params = {&radiance, &sampling_weight, NULL};
 static param_list envmap_params = {&envmap_file,  &envmap_scale,    &sky_to_world,
                                    &compensation, &sampling_weight, NULL};
-
-static param_list sky_params = {&haze,         &sky_sun_direction, &sky_scale,       &sun_scale,
-                                &sun_aperture, &sky_to_world,      &sampling_weight, NULL};
 
 // Reads to_world, and sets position, direction and inverse.
 static satin_status set_light_position(struct load_state *loader, const struct params *p,
@@ -305,42 +280,6 @@ static satin_status build_envmap(struct load_state *loader, const struct params 
     return status;
 }
 
-satin_status load_daylight_build(struct load_state *loader, const struct params *p,
-                                 const struct load_daylight *daylight, struct light *light) {
-    float aperture = daylight->sun_aperture * (PI_F / 180.0f);
-    light->kind = LIGHT_ENVMAP;
-    light->value = rgb_grey(daylight->sky_scale);
-    satin_status status = set_light_position(loader, p, light);
-    if (status != SATIN_OK) return status;
-    light->sun = v3_unit(daylight->sun);
-    struct sky sky = {daylight->turbidity, v3_unit(mat4_vector(&light->to_local, light->sun))};
-    if (!(sky.turbidity >= SKY_TURBIDITY_MIN && sky.turbidity <= SKY_TURBIDITY_MAX))
-        return load_refuse(loader, p, "its turbidity is not in [2, 10]");
-    if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
-        return load_refuse(loader, p, "its sun_direction does not point above the horizon");
-    if (!(aperture < 0.5f * PI_F))
-        return load_refuse(loader, p, "its sun_aperture is not below 90 degrees");
-    // The power of the sun does not depend on its size.
-    const float natural = SKY_SUN_APERTURE * (PI_F / 180.0f);
-    light->sun_chord = 2.0f * sinf(0.25f * aperture);
-    float shrink = sqrf(2.0f * sinf(0.25f * natural) / light->sun_chord);
-    light->sun_value = rgb_scale(sky_sun(&sky), daylight->sun_scale * shrink);
-    struct image *image = arena_alloc(&loader->scene->arena, sizeof *image);
-    if (!image || !sky_image(&loader->scene->arena, &sky, image)) return load_no_memory(loader);
-    light->image = image;
-    return SATIN_OK;
-}
-
-static satin_status build_sky_light(struct load_state *loader, const struct params *p,
-                                    void *object) {
-    const struct load_daylight daylight = {.turbidity = param(p, "turbidity")->f,
-                                           .sun = param(p, "sun_direction")->v,
-                                           .sky_scale = param(p, "sky_scale")->f,
-                                           .sun_scale = param(p, "sun_scale")->f,
-                                           .sun_aperture = param(p, "sun_aperture")->f};
-    return load_daylight_build(loader, p, &daylight, object);
-}
-
 const struct plugin_spec load_emitter_plugins[] = {
     {XML_EMITTER, "area", "light from the surface of a shape", area_params, 0, build_area, false},
     {XML_EMITTER, "directionalarea", "parallel light from a rectangle or disk", area_params, 0,
@@ -355,8 +294,6 @@ const struct plugin_spec load_emitter_plugins[] = {
      build_constant_light, false},
     {XML_EMITTER, "envmap", "light from an image of the environment", envmap_params, 0,
      build_envmap, false},
-    {XML_EMITTER, "preethamsky", "daylight: a clear sky and the sun", sky_params, 0,
-     build_sky_light, false},
     {0}};
 
 static bool is_environment(const struct light *light) {

@@ -80,15 +80,6 @@ satin_status load_group_add(struct load_state *loader, const struct params *p);
 // index, or -1 if it is black (load_plugins_light.c).
 satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, int64_t shape,
                               int32_t *index);
-// An environment of daylight. `sun` is in world space, the aperture in degrees
-// (load_plugins_light.c).
-struct load_daylight {
-    float turbidity;
-    vec3 sun;
-    float sky_scale, sun_scale, sun_aperture;
-};
-satin_status load_daylight_build(struct load_state *loader, const struct params *p,
-                                 const struct load_daylight *daylight, struct light *light);
 // Reads the camera, the film and the samples per pixel of the scene (load_plugins_sensor.c).
 satin_status load_sensor(struct load_state *loader, struct xml_node *node);
 // Computes the half extents at unit distance from the parameters fov, fov_axis and focal_length,
