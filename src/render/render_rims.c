@@ -30,12 +30,12 @@ static float emission_at(const struct render_image *image, int x, int y) {
     return p->samples ? rgb_luminance(p->layer[SHADE_EMISSION]) / (float)p->samples : 0.0f;
 }
 
-// Whether emission varies between the pixel and those up to `reach` away, that is within the
+// Whether emission varies between the pixel and those up to `radius` away, that is within the
 // filter: the few samples of its tail may all miss a lamp that the pixel sees, or hit it by chance.
-static bool on_rim(const struct render_image *image, int x, int y, int reach) {
+static bool on_rim(const struct render_image *image, int x, int y, int radius) {
     float least = INFINITY, most = 0.0f;
-    for (int v = y - reach; v <= y + reach; v++)
-        for (int u = x - reach; u <= x + reach; u++) {
+    for (int v = y - radius; v <= y + radius; v++)
+        for (int u = x - radius; u <= x + radius; u++) {
             if (u < 0 || v < 0 || u >= image->width || v >= image->height) continue;
             const float e = emission_at(image, u, v);
             least = fminf(least, e);
@@ -49,12 +49,12 @@ static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
     const struct render_image *image = rims->r->image;
     const size_t width = (size_t)image->width;
-    const int reach = (int)ceilf(rims->r->second_pass.shade.filter.film->radius);
+    const int radius = (int)ceilf(rims->r->second_pass.shade.filter.film->radius);
     (void)worker;
     for (size_t y = begin; y < end; y++)
         for (size_t at = y * width; at < (y + 1) * width; at++)
             if (!(image->pixel[at].rim_weight > 0.0f) &&
-                on_rim(image, (int)(at - y * width), (int)y, reach))
+                on_rim(image, (int)(at - y * width), (int)y, radius))
                 rims->pixel[y * width + rims->found[y]++] = (uint32_t)at;
 }
 
