@@ -7,10 +7,11 @@
 A coarse reference covers the whole film. Where an image may deviate by more than --bound percent,
 but the noise of the reference does not decide it, tiles of 20x20 pixels are path-traced with more
 samples, until the noise of each such mean is below NOISE percent. DIR keeps the references, which
-further images use and refine. The deviations are of luminance, relative to the reference at that
-position. Printed for each image: the number of positions beyond the bound that are certain (by two
-standard deviations), the number that are possible, and the worst positions, with the noise of the
-reference and the light of each layer in percent of the reference there.
+further images use and refine. A scene may not refer to files by relative paths, as copies of it are
+rendered from DIR. The deviations are of luminance, relative to the reference at that position.
+Printed for each image: the number of positions beyond the bound that are certain (by two standard
+deviations), the number that are possible, and the worst positions, with the noise of the reference
+and the light of each layer in percent of the reference there.
 """
 import os
 import re
@@ -50,7 +51,9 @@ class Reference:
         name = os.path.splitext(os.path.basename(options.scene))[0]
         self.folder = os.path.join(options.dir, f"{name}-{self.width}x{self.height}")
         os.makedirs(self.folder, exist_ok=True)
-        parts = means(np.array([self.part(options.scene, f"all-{i}", COARSE, 1000 + i)
+        scene = os.path.join(self.folder, "all.xml")
+        self.write_crop(scene, 0, 0, self.width, self.height)
+        parts = means(np.array([self.part(scene, f"all-{i}", COARSE, 1000 + i)
                                 for i in range(PARTS)]))
         self.mean, self.noise = statistics(parts)
         # One estimate of noise from few parts is uncertain, so neighbours count too.
@@ -63,11 +66,11 @@ class Reference:
                 if PARTS * spp > self.spp[y, x]:
                     self.refine(x, y, spp)
 
-    def part(self, scene, name, spp, seed, *size):
+    def part(self, scene, name, spp, seed):
         image = os.path.join(self.folder, name + ".exr")
         if not os.path.exists(image):
             runs.run([self.options.satin, "render", scene, "-o", image, "--integrator", "path",
-                      "--spp", str(spp), "--seed", str(seed), "--quiet", *size])
+                      "--spp", str(spp), "--seed", str(seed), "--quiet"])
         return luminance(image)
 
     def refine(self, x, y, spp):
