@@ -31,6 +31,11 @@ static const double PHOTONS_CAUTION = 0.9, PHOTONS_AGAIN = 3.0;
 // a tenth less time in all, and half of the error of indirect light. Without a time limit another
 // pass is made if the paths are to grow by STARVED_AGAIN; STARVED_MOST limits its time and memory.
 static const double KEPT_LEAST = 0.5, STARVED_AGAIN = 1.5, STARVED_MOST = 8.0;
+// With a time limit the global map has this many times the photons of the options, if they fit. In
+// a room whose floor reflects single lookups, they leave .6 of the error at 30 CPU seconds; in
+// three closed rooms 1.0, .93 and .90 of the variance at 8 CPU seconds. A denoised image follows
+// the rays that would show single lookups.
+static const double TIMED_PHOTONS = 2.5;
 enum {
     // The number of paths for photon clusters, a sample of all photons: a fraction of those of the
     // global map, within limits. More of them show nothing new on any machine: at 3 million photons
@@ -252,8 +257,9 @@ int render_budget_bin_rays(const satin_options *o) {
     return rays < 1 ? 1 : rays > BIN_RAYS ? BIN_RAYS : (int)rays;
 }
 
-double render_budget_starved(double paths, double kept) {
-    return fmin(fmax(KEPT_LEAST * paths / fmax(kept, 1.0), 1.0), STARVED_MOST);
+double render_budget_starved(const satin_options *o, double paths, double kept) {
+    const double least = o->time > 0.0 && !o->denoise ? TIMED_PHOTONS : 1.0;
+    return fmin(fmax(KEPT_LEAST * paths / fmax(kept, 1.0), least), STARVED_MOST);
 }
 
 struct render_more_photons render_budget_photons(const struct render *r, double seconds,

@@ -76,7 +76,8 @@ int render_budget_bin_rays(const satin_options *options);
 double render_budget_first_photons(const struct render *r);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect
 // light from `paths` paths: 1, or up to 8 if it is starved.
-double render_budget_starved(double paths, double kept);
+// With a time limit it is at least 2.5, unless the image is denoised.
+double render_budget_starved(const satin_options *options, double paths, double kept);
 // The photons that replace the first ones.
 struct render_more_photons {
     double fraction;  // of the options' photons; 0: the first ones are kept

@@ -54,7 +54,7 @@ static double starved(const struct render *r, double fraction) {
     const satin_options *o = &r->options;
     if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
         return 1.0;
-    return render_budget_starved(fraction * (double)o->photons,
+    return render_budget_starved(o, fraction * (double)o->photons,
                                  stats_get(&r->stats, "photons.stored_indirect"));
 }
 
