@@ -82,7 +82,7 @@ static struct difference_measure measure_difference(const satin_film *exact, con
 static void save(const satin_film *film, const char *folder, const char *basis, const char *name) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s-%s.png", folder, basis, name);
-    satin_film_write_png(film, path, bench_print_error, NULL);
+    satin_film_write_png(film, path, NULL, bench_print_error, NULL);
 }
 
 int main(int argc, char **argv) {

@@ -122,7 +122,7 @@ int main(int argc, char **argv) {
             printf("%.5f %.5f\n", relative_rms(&layer[i], &layer[0], all),
                    relative_rms(&layer[i], &layer[0], part));
     }
-    satin_status status = satin_film_write_png(out, argv[1], bench_print_error, NULL);
+    satin_status status = satin_film_write_png(out, argv[1], NULL, bench_print_error, NULL);
     satin_film_free(out);
     for (int i = 0; i < images; i++) satin_film_free(layer[i].film);
     return status == SATIN_OK ? 0 : 1;

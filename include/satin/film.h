@@ -4,6 +4,8 @@
 #ifndef SATIN_FILM_H
 #define SATIN_FILM_H
 
+#include <stdbool.h>
+
 #include "satin/types.h"
 
 #ifdef __cplusplus
@@ -40,11 +42,25 @@ SATIN_API const float *satin_film_channel(const satin_film *film, const char *na
 // end determines the file.
 SATIN_API satin_status satin_film_write_exr(const satin_film *film, const char *path,
                                             satin_log_fn log, void *log_user);
-// Writes the beauty as 8-bit sRGB PNG, clamped to [0, 1]. Errors are those of satin_film_write_exr,
-// with SATIN_ERROR_ARGUMENT also if the film has no R, G and B, and SATIN_ERROR_INTERNAL if libpng
-// fails. The pointers, the threads and the file are as there: thread-safe, complete or not written.
+// How light becomes a picture. All zero: the beauty, as it is, clamped.
+typedef enum satin_tone_curve {
+    SATIN_TONE_CLIP,   // linear up to 1, where the display is white
+    SATIN_TONE_FILMIC  // a curve that keeps details of bright parts
+} satin_tone_curve;
+typedef struct satin_tonemap {
+    const char *layer;   // the layer of which channels .R, .G and .B are shown; NULL: the beauty
+    float exposure;      // the light is multiplied by 2^exposure [stops]
+    bool auto_exposure;  // first by what makes the mean logarithm of luminance that of 0.18
+    satin_tone_curve curve;
+} satin_tonemap;
+
+// Writes a picture as 8-bit sRGB PNG. `tonemap` may be NULL, which is all zero. Errors are those of
+// satin_film_write_exr, with SATIN_ERROR_ARGUMENT also if the film does not have the three channels
+// or if the exposure is not finite, and SATIN_ERROR_INTERNAL if libpng fails. The other pointers,
+// the threads and the file are as there: thread-safe, complete or not written.
 SATIN_API satin_status satin_film_write_png(const satin_film *film, const char *path,
-                                            satin_log_fn log, void *log_user);
+                                            const satin_tonemap *tonemap, satin_log_fn log,
+                                            void *log_user);
 
 #ifdef __cplusplus
 }

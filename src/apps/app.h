@@ -8,6 +8,7 @@
 
 #include "base/fileio_files.h"
 #include "base/fileio_output.h"
+#include "satin/film.h"
 #include "satin/render.h"
 
 enum app_exit { APP_DONE = 0, APP_FAILED = 1, APP_WRONG = 2, APP_CANCELLED = 3 };
@@ -21,6 +22,7 @@ int app_render(int argc, char **argv);
 int app_compare(int argc, char **argv);
 int app_info(int argc, char **argv);
 int app_maps(int argc, char **argv);
+int app_tonemap(int argc, char **argv);
 int app_help(int argc, char **argv);
 
 // Prints text from column `indent` on, wrapped at blanks. The cursor is at column `at`.
@@ -63,6 +65,7 @@ extern const struct app_flag app_render_flags[];
 extern const struct app_flag app_compare_flags[];
 extern const struct app_flag app_info_flags[];
 extern const struct app_flag app_maps_flags[];
+extern const struct app_flag app_tonemap_flags[];
 extern const struct app_flag app_help_flags[];
 
 struct app_args {
@@ -84,11 +87,27 @@ int app_args_next(struct app_args *args, const struct app_flag *flags,
 // Splits `name=value`, in place. False, with nothing changed, if it is something else.
 bool app_args_split(char *pair, const char **name, const char **value);
 
+// Whether a name has that ending, in any letter case.
+bool app_ends_in(const char *name, const char *ending);
+
 // Reports `satin: error: ...` and returns APP_WRONG.
 int app_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 // Reports lack of memory and returns APP_FAILED.
 int app_no_memory(void);
+
+// ---- Pictures (app_tonemap.c) -------------------------------------------------------------------
+
+#define APP_EXPOSURE_DOC                                                                        \
+    "Makes the picture brighter by so many stops, of which each doubles the light. `auto`, or " \
+    "`auto+STOPS`, first makes its mean logarithm that of 18 % grey."
+#define APP_TONEMAP_DOC                                                                          \
+    "How light becomes the picture's tones: `clip` is linear, `filmic` keeps details of bright " \
+    "parts."
+
+// Read the values of --exposure and --tonemap. Report a wrong one and return APP_WRONG.
+int app_take_exposure(const char *value, satin_tonemap *tonemap);
+int app_take_tonemap(const char *value, satin_tonemap *tonemap);
 
 // ---- Outputs (app_outputs.c) --------------------------------------------------------------------
 

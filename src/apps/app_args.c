@@ -2,6 +2,7 @@
 // Parses arguments by a table of flags: `--name VALUE`, `--name=VALUE`, `-n VALUE`, `-nVALUE`.
 #include <stdarg.h>
 #include <string.h>
+#include <strings.h>
 
 #include "apps/app.h"
 #include "base/text.h"
@@ -104,4 +105,9 @@ bool app_args_split(char *pair, const char **name, const char **value) {
     *name = pair;
     *value = equals + 1;
     return true;
+}
+
+bool app_ends_in(const char *name, const char *ending) {
+    const size_t n = strlen(name), m = strlen(ending);
+    return n >= m && strcasecmp(name + n - m, ending) == 0;
 }

@@ -23,6 +23,8 @@ enum {
     FLAG_SAVE,
     FLAG_DEFINE,
     FLAG_SET,
+    FLAG_EXPOSURE,
+    FLAG_TONEMAP,
     FLAG_STRICT,
     FLAG_LENIENT,
     FLAG_QUIET,
@@ -42,6 +44,8 @@ const struct app_flag app_render_flags[] = {
      "Writes the cache records to FILE, which may be the file that is loaded."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
+    {"--exposure", NULL, "STOPS|auto", APP_EXPOSURE_DOC},
+    {"--tonemap", NULL, "clip|filmic", APP_TONEMAP_DOC},
     {"--strict", NULL, NULL, "Treats warnings about the scene as errors."},
     {"--lenient", NULL, NULL,
      "Renders a scene with missing files or unknown plugins, which are left out or become grey."},
@@ -65,6 +69,7 @@ const struct app_flag app_render_flags[] = {
 struct request {
     const char *scene, *output, *png, *stats, *load, *save;
     bool want_png, quiet, help;
+    satin_tonemap tonemap;
     unsigned scene_flags;
     satin_define *define;
     satin_setting *setting;
@@ -88,6 +93,10 @@ static int take_flag(struct request *r, int flag, char *value) {
         case FLAG_SAVE:
             r->save = value;
             return APP_DONE;
+        case FLAG_EXPOSURE:
+            return app_take_exposure(value, &r->tonemap);
+        case FLAG_TONEMAP:
+            return app_take_tonemap(value, &r->tonemap);
         case FLAG_STRICT:
             r->scene_flags |= SATIN_SCENE_STRICT;
             return APP_DONE;
@@ -121,18 +130,13 @@ static int take_flag(struct request *r, int flag, char *value) {
     }
 }
 
-static bool ends_in(const char *name, const char *suffix) {
-    size_t n = strlen(name), m = strlen(suffix);
-    return n >= m && strcasecmp(name + n - m, suffix) == 0;
-}
-
 // Whether a name has the ending of an image format, even of one that is not written. Decides
 // whether the argument after --png is its value.
 static bool is_image(const char *name) {
     static const char *const ending[] = {".png", ".exr",  ".jpg", ".jpeg", ".tif", ".tiff",
                                          ".hdr", ".webp", ".bmp", ".pfm",  ".tga"};
     for (size_t i = 0; i < sizeof ending / sizeof *ending; i++)
-        if (ends_in(name, ending[i])) return true;
+        if (app_ends_in(name, ending[i])) return true;
     return false;
 }
 
@@ -162,17 +166,17 @@ static int read_render_arguments(int argc, char **argv, struct request *r) {
 
 // The ending of an output's name chooses its format.
 static int check_format(const struct request *r) {
-    if (!ends_in(r->output, ".exr") && !ends_in(r->output, ".png"))
+    if (!app_ends_in(r->output, ".exr") && !app_ends_in(r->output, ".png"))
         return app_wrong("%s: an image is written as .exr or .png, by the end of its name",
                          r->output);
-    if (r->png && !ends_in(r->png, ".png")) return app_wrong("%s: --png writes a .png", r->png);
+    if (r->png && !app_ends_in(r->png, ".png")) return app_wrong("%s: --png writes a .png", r->png);
     return APP_DONE;
 }
 
 // OUT.exr -> OUT.png; from malloc.
 static char *png_name(const char *output) {
     size_t n = strlen(output);
-    if (ends_in(output, ".exr")) n -= 4;
+    if (app_ends_in(output, ".exr")) n -= 4;
     char *name = malloc(n + 5);
     if (name) snprintf(name, n + 5, "%.*s.png", (int)n, output);
     return name;
@@ -181,7 +185,7 @@ static char *png_name(const char *output) {
 // All outputs; the path of an output that was not asked for is NULL.
 enum { OUTPUTS = 4 };
 static void list_outputs(const struct request *r, struct app_output output[OUTPUTS]) {
-    const bool png = ends_in(r->output, ".png");
+    const bool png = app_ends_in(r->output, ".png");
     output[0] = (struct app_output){r->output, png ? FILEIO_APPEND : FILEIO_SEEK, NULL};
     output[1] = (struct app_output){r->png, FILEIO_APPEND, NULL};
     output[2] = (struct app_output){r->stats, FILEIO_APPEND, NULL};
@@ -191,7 +195,7 @@ static void list_outputs(const struct request *r, struct app_output output[OUTPU
 }
 
 static int check_outputs(struct request *r) {
-    if (r->want_png && !r->png && !ends_in(r->output, ".png")) {
+    if (r->want_png && !r->png && !app_ends_in(r->output, ".png")) {
         r->png = r->png_beside = png_name(r->output);
         if (!r->png) return app_no_memory();
     }
@@ -220,8 +224,8 @@ static satin_status write_outputs(const struct request *r, const satin_film *fil
                                   struct log log) {
     struct stats written = {.count = 0};
     satin_status status;
-    if (ends_in(r->output, ".png")) {
-        status = satin_film_write_png(film, r->output, log.fn, log.user);
+    if (app_ends_in(r->output, ".png")) {
+        status = satin_film_write_png(film, r->output, &r->tonemap, log.fn, log.user);
     } else {
         struct parallel *pool = parallel_new(threads);
         if (pool) parallel_begin_part(pool, "write");
@@ -231,7 +235,7 @@ static satin_status write_outputs(const struct request *r, const satin_film *fil
     }
     // Each output is written, even if another one failed.
     satin_status png = SATIN_OK, json = SATIN_OK;
-    if (r->png) png = satin_film_write_png(film, r->png, log.fn, log.user);
+    if (r->png) png = satin_film_write_png(film, r->png, &r->tonemap, log.fn, log.user);
     if (r->stats) json = write_stats(r, film, &written, log);
     if (status != SATIN_OK) return status;
     return png != SATIN_OK ? png : json;

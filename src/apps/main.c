@@ -14,6 +14,8 @@ const struct app_command app_commands[] = {
     {"maps", "IMAGE.exr -o DIR",
      "Makes pictures of where an image's records are and how they serve.", app_maps_flags,
      app_maps},
+    {"tonemap", "IMAGE.exr -o OUT.png", "Makes a picture of an image or of one of its layers.",
+     app_tonemap_flags, app_tonemap},
     {"help", "[TOPIC]", "Explains a command, an option or a plugin.", app_help_flags, app_help},
     {NULL, NULL, NULL, NULL, NULL},
 };

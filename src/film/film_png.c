@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the beauty of a film as a PNG: 8 bits per channel, sRGB, clamped to [0, 1]. For display,
-// not for measurements.
+// Writes the beauty or a layer of a film as a PNG: exposed, tone-mapped, and encoded as sRGB with 8
+// bits per channel. For display, not for measurements.
 #include <math.h>
 #include <png.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/fileio.h"
 #include "film/film.h"
@@ -35,19 +36,75 @@ satin_status film_write_pixels(const char *path, int width, int height, const un
     return status;
 }
 
-satin_status satin_film_write_png(const satin_film *film, const char *path, satin_log_fn log_fn,
+// ---- Tone mapping -------------------------------------------------------------------------------
+
+// The luminance that auto exposure makes the mean one: that of a grey card.
+static const double GREY = 0.18;
+
+// The factor by which the mean logarithm of the luminance becomes that of GREY [Reinhard et al.
+// 2002, equation 1]. Pixels that are black or not finite are left out.
+static double auto_exposure(const struct satin_film *film, const float *const light[3]) {
+    const size_t pixels = (size_t)film->width * (size_t)film->height;
+    double sum = 0.0, count = 0.0;
+    for (size_t i = 0; i < pixels; i++) {
+        const double Y = (double)rgb_luminance(rgb_make(light[0][i], light[1][i], light[2][i]));
+        if (!(Y > 0.0) || !isfinite(Y)) continue;
+        sum += log(Y);
+        count++;
+    }
+    return count > 0.0 ? GREY / exp(sum / count) : 1.0;
+}
+
+// The response of film that the academy's reference transform has [Narkowicz 2016, a fit].
+static float filmic(float x) {
+    if (!(x > 0.0f)) return 0.0f;
+    // Beyond this the fit is above 1, and squares of larger values would overflow.
+    if (x > 1e3f) return 1.0f;
+    return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
+}
+
+// The channel .R, .G or .B of a layer, or of the beauty if `layer` is NULL.
+static const float *layer_channel(const struct satin_film *film, const char *layer, char colour) {
+    for (int i = 0; i < film->channel_count; i++) {
+        const char *name = film->channel_name[i];
+        const size_t before = strlen(name) - 1;
+        if (name[before] != colour) continue;
+        if (!layer && before == 0) return film->channel[i];
+        if (layer && before == strlen(layer) + 1 && name[before - 1] == '.' &&
+            strncmp(name, layer, before - 1) == 0)
+            return film->channel[i];
+    }
+    return NULL;
+}
+
+satin_status satin_film_write_png(const satin_film *film, const char *path,
+                                  const satin_tonemap *tonemap, satin_log_fn log_fn,
                                   void *log_user) {
-    struct log log = {log_fn, log_user};
-    const float *beauty[3] = {satin_film_channel(film, "R"), satin_film_channel(film, "G"),
-                              satin_film_channel(film, "B")};
-    if (!beauty[0] || !beauty[1] || !beauty[2])
-        return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the film has no channels R, G and B", path);
-    size_t pixels = (size_t)film->width * (size_t)film->height;
+    static const satin_tonemap plain = {0};
+    const satin_tonemap *map = tonemap ? tonemap : &plain;
+    const struct log log = {log_fn, log_user};
+    const float *const light[3] = {layer_channel(film, map->layer, 'R'),
+                                   layer_channel(film, map->layer, 'G'),
+                                   layer_channel(film, map->layer, 'B')};
+    if (!light[0] || !light[1] || !light[2]) {
+        const char *dot = map->layer ? "." : "", *layer = map->layer ? map->layer : "";
+        return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the film has no channels %s%sR, G and B",
+                        path, layer, dot);
+    }
+    if (!isfinite(map->exposure))
+        return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the exposure is not finite", path);
+    const size_t pixels = (size_t)film->width * (size_t)film->height;
     unsigned char *pixel = malloc(3 * pixels);
     if (!pixel) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    const float factor = (float)(exp2((double)map->exposure) *
+                                 (map->auto_exposure ? auto_exposure(film, light) : 1.0));
     for (size_t i = 0; i < pixels; i++)
-        for (int c = 0; c < 3; c++) pixel[3 * i + (size_t)c] = film_encode_srgb(beauty[c][i]);
-    satin_status status = film_write_pixels(path, film->width, film->height, pixel, log);
+        for (int c = 0; c < 3; c++) {
+            const float x = factor * light[c][i];
+            pixel[3 * i + (size_t)c] =
+                film_encode_srgb(map->curve == SATIN_TONE_FILMIC ? filmic(x) : x);
+        }
+    const satin_status status = film_write_pixels(path, film->width, film->height, pixel, log);
     free(pixel);
     return status;
 }

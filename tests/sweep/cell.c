@@ -175,7 +175,7 @@ static void keep_flagged(struct work *w) {
                  w->seed[i]);
         (void)satin_film_write_exr(w->film[i], path, cell_note, w);
         memcpy(path + strlen(path) - 3, "png", 3);
-        (void)satin_film_write_png(w->film[i], path, cell_note, w);
+        (void)satin_film_write_png(w->film[i], path, NULL, cell_note, w);
     }
 }
 

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// satin tonemap: a picture of an image or of one of its layers. Also reads the arguments that
+// choose exposure and curve, which `satin render` has too.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/app.h"
+#include "satin/film.h"
+
+enum { FLAG_OUTPUT, FLAG_EXPOSURE, FLAG_TONEMAP, FLAG_LAYER, FLAG_HELP };
+
+const struct app_flag app_tonemap_flags[] = {
+    {"--output", "-o", "OUT.png", "The picture."},
+    {"--exposure", NULL, "STOPS|auto", APP_EXPOSURE_DOC},
+    {"--tonemap", NULL, "clip|filmic", APP_TONEMAP_DOC},
+    {"--layer", NULL, "NAME", "Shows this layer, for example direct, instead of the beauty."},
+    {"--help", "-h", NULL, "Prints this."},
+    {NULL, NULL, NULL, NULL},
+};
+
+int app_take_exposure(const char *value, satin_tonemap *tonemap) {
+    const bool automatic = strcmp(value, "auto") == 0 || strncmp(value, "auto+", 5) == 0 ||
+                           strncmp(value, "auto-", 5) == 0;
+    const char *number = value + (automatic ? 4 : 0);
+    char *end = NULL;
+    const double stops = *number ? strtod(number, &end) : 0.0;
+    const bool whole = *number ? end != number && *end == '\0' : automatic;
+    // Beyond this many stops no float remains.
+    if (!whole || !(fabs(stops) <= 100.0))
+        return app_wrong("--exposure needs a number of stops, or auto, not '%s'", value);
+    tonemap->auto_exposure = automatic;
+    tonemap->exposure = (float)stops;
+    return APP_DONE;
+}
+
+int app_take_tonemap(const char *value, satin_tonemap *tonemap) {
+    const bool filmic = strcmp(value, "filmic") == 0;
+    if (!filmic && strcmp(value, "clip") != 0)
+        return app_wrong("--tonemap needs clip or filmic, not '%s'", value);
+    tonemap->curve = filmic ? SATIN_TONE_FILMIC : SATIN_TONE_CLIP;
+    return APP_DONE;
+}
+
+static int write_picture(const char *image, const char *path, const satin_tonemap *tonemap) {
+    const struct app_input input[] = {{image, "the image"}, {NULL, NULL}};
+    const struct app_output output = {path, FILEIO_APPEND, NULL};
+    satin_film *film = NULL;
+    satin_status status = satin_film_read(image, app_log_file, NULL, &film);
+    if (status != SATIN_OK) return app_exit_of(status);
+    int result = app_outputs_check(&output, 1, input);
+    if (result == APP_DONE)
+        result = app_exit_of(satin_film_write_png(film, path, tonemap, app_log_file, NULL));
+    satin_film_free(film);
+    return result;
+}
+
+int app_tonemap(int argc, char **argv) {
+    struct app_args args = {.argc = argc, .argv = argv};
+    satin_tonemap tonemap = {0};
+    const char *image = NULL, *path = NULL;
+    char *value;
+    int flag;
+    while ((flag = app_args_next(&args, app_tonemap_flags, NULL, &value)) != APP_END) {
+        int result = APP_DONE;
+        if (flag == APP_BAD) return APP_WRONG;
+        if (flag == FLAG_HELP) return app_help(1, (char *[]){"tonemap"});
+        if (flag == FLAG_OUTPUT) path = value;
+        if (flag == FLAG_LAYER) tonemap.layer = value;
+        if (flag == FLAG_EXPOSURE) result = app_take_exposure(value, &tonemap);
+        if (flag == FLAG_TONEMAP) result = app_take_tonemap(value, &tonemap);
+        if (flag == APP_POSITIONAL && image) return app_wrong("tonemap takes one image");
+        if (flag == APP_POSITIONAL) image = value;
+        if (result != APP_DONE) return result;
+    }
+    if (!image || !path || !*path)
+        return app_wrong("tonemap takes an image and a name: satin tonemap IMAGE.exr -o OUT.png");
+    if (!app_ends_in(path, ".png")) return app_wrong("%s: a picture is written as .png", path);
+    return write_picture(image, path, &tonemap);
+}
