@@ -35,8 +35,8 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
     h->count = h->stratified + (size_t)draw.drawn;
 }
 
-void gather_cluster_rays_weigh(const struct gather_cluster_rays *clusters,
-                               struct gather_hemisphere *h) {
+void gather_cluster_rays_weights(const struct gather_cluster_rays *clusters,
+                                 struct gather_hemisphere *h) {
     if (clusters->to.count == 0) return;
     for (size_t i = 0; i < h->count; i++) {
         struct gather_ray *ray = &h->ray[i];

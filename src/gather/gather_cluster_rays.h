@@ -16,8 +16,8 @@ struct gather_cluster_rays {
 void gather_cluster_rays_add(const struct gather *g, const struct gather_site *site,
                              struct gather_hemisphere *h, struct gather_cluster_rays *out);
 // Weights L of all rays, after tracing, so that each counts as a stratified ray.
-void gather_cluster_rays_weigh(const struct gather_cluster_rays *clusters,
-                               struct gather_hemisphere *h);
+void gather_cluster_rays_weights(const struct gather_cluster_rays *clusters,
+                                 struct gather_hemisphere *h);
 
 // The least roughness of lobes that the rays of a site hit, from the solid angle that a ray
 // represents (gather_hemisphere.c).

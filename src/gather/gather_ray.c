@@ -62,7 +62,7 @@ static bool averages_few(const struct gather *g, const struct gather_hit *hit, f
 }
 
 // Approximates the luminance that each hit contributes. Returns the mean.
-static float weigh_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
+static float hit_weights(const struct gather *g, struct gather_hits *hits, size_t count) {
     float sum = 0.0f;
     for (size_t i = 0; i < count; i++) {
         const struct shading_point *y = &hits->hit[i].point;
@@ -90,7 +90,7 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
     for (size_t i = 0; i < count; i++)
         hits->near[i] = gather_is_near(g, hits->hit[i].point.interaction.t, hits->radius[i], discs);
     if (near) gather_near_clusters(g, hits, count, near);
-    const float mean = weigh_hits(g, hits, count);
+    const float mean = hit_weights(g, hits, count);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
         const bool reliable = gather_is_reliable(g, hits->radius[i], hits->near[i]) &&

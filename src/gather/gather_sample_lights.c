@@ -65,8 +65,8 @@ static rgb all_lights(const struct gather *g, const struct shading_point *p, str
                       struct light_visibility visibility, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);
     const vec2 u = sampler_2d(&sampler);
-    float probability[LIGHT_WEIGHED_MAX];
-    light_choose_weigh(g->scene, p->interaction.p, visibility, probability);
+    float probability[LIGHT_WEIGHTS_MAX];
+    light_choose_probabilities(g->scene, p->interaction.p, visibility, probability);
     for (uint32_t i = 0; i < g->scene->light_count; i++) {
         struct choice choice = {visibility, i, probability[i]};
         if (choice.probability > 0.0f) sum = rgb_add(sum, sample_light(g, p, mis, choice, u));

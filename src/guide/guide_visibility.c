@@ -140,7 +140,7 @@ static void learn(void *ctx, size_t begin, size_t end, int worker) {
 satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed, int bin_rays,
                                     struct parallel *pool, struct guide_visibility **out) {
     const bool sky = scene->environment >= 0;
-    const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHED_MAX;
+    const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHTS_MAX;
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);

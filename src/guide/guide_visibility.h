@@ -50,7 +50,7 @@ struct guide_visibility {
     bool sky, choice;  // whether histograms, and whether fractions of the lights, were measured
     struct light_histogram histogram[GUIDE_CELLS_MAX];
     struct light_bins bins[GUIDE_CELLS_MAX];
-    float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];  // visible fraction of each light's
+    float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHTS_MAX];  // visible fraction of each light's
                                                         // estimate; > 0
 };
 

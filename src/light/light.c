@@ -46,7 +46,7 @@ satin_status light_prepare(struct satin_scene *scene, struct log log) {
     if (status != SATIN_OK) return log_fail(log, status, "not enough memory for the lights");
     sample_cdf_build(power, scene->light_count, cdf);
     scene->light_cdf = cdf;
-    if (scene->light_count <= LIGHT_WEIGHED_MAX) return SATIN_OK;
+    if (scene->light_count <= LIGHT_WEIGHTS_MAX) return SATIN_OK;
     status = light_tree_build(scene);
     return status == SATIN_OK ? status : log_fail(log, status, "not enough memory for the lights");
 }
@@ -71,8 +71,9 @@ float light_estimate(const struct satin_scene *scene, const struct light *light,
     return 0.0f;
 }
 
-void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
-                        float probability[LIGHT_WEIGHED_MAX]) {
+void light_choose_probabilities(const struct satin_scene *scene, vec3 p,
+                                struct light_visibility visibility,
+                                float probability[LIGHT_WEIGHTS_MAX]) {
     const float *fraction = visibility.fraction;
     uint32_t n = scene->light_count, lit = 0;
     float sum = 0.0f;
@@ -102,8 +103,8 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_visi
         return 0;
     }
     if (scene->light_tree) return light_tree_choose(scene, p, u, probability);
-    float weight[LIGHT_WEIGHED_MAX];
-    light_choose_weigh(scene, p, visibility, weight);
+    float weight[LIGHT_WEIGHTS_MAX];
+    light_choose_probabilities(scene, p, visibility, weight);
     uint32_t last = 0;
     for (; i < n; i++) {
         if (!(weight[i] > 0.0f)) continue;
@@ -119,8 +120,8 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p,
                                struct light_visibility visibility, uint32_t light) {
     if (scene->light_count == 1) return 1.0f;
     if (scene->light_tree) return light_tree_probability(scene, p, light);
-    float weight[LIGHT_WEIGHED_MAX];
-    light_choose_weigh(scene, p, visibility, weight);
+    float weight[LIGHT_WEIGHTS_MAX];
+    light_choose_probabilities(scene, p, visibility, weight);
     return weight[light];
 }
 

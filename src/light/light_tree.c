@@ -208,8 +208,8 @@ static float second_probability(const struct light_tree *tree, const struct ligh
 
 // The weights of a leaf's lights, and their sum. Lights that contribute nothing have weight 0,
 // unless all do.
-static float weigh_leaf(const struct satin_scene *scene, const struct light_node *leaf, vec3 p,
-                        float weight[LIGHT_LEAF_MAX]) {
+static float leaf_weights(const struct satin_scene *scene, const struct light_node *leaf, vec3 p,
+                          float weight[LIGHT_LEAF_MAX]) {
     float sum = 0.0f;
     uint32_t lit = 0;
     const uint32_t *order = scene->light_tree->order + leaf->first;
@@ -238,7 +238,7 @@ uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, flo
         chosen *= right ? second : first;
         node = &tree->node[node->child + right];
     }
-    float weight[LIGHT_LEAF_MAX], sum = weigh_leaf(scene, node, p, weight);
+    float weight[LIGHT_LEAF_MAX], sum = leaf_weights(scene, node, p, weight);
     uint32_t i = 0;
     for (x *= (double)sum; i + 1 < node->count && x >= (double)weight[i]; i++)
         x -= (double)weight[i];
@@ -258,7 +258,7 @@ float light_tree_probability(const struct satin_scene *scene, vec3 p, uint32_t l
         chosen *= path & 1 ? second : 1.0 - second;
         node = &tree->node[node->child + (path & 1)];
     }
-    float weight[LIGHT_LEAF_MAX], sum = weigh_leaf(scene, node, p, weight);
+    float weight[LIGHT_LEAF_MAX], sum = leaf_weights(scene, node, p, weight);
     for (uint32_t i = 0; i < node->count; i++)
         if (tree->order[node->first + i] == light)
             return (float)(chosen * (double)(weight[i] / sum));

@@ -32,7 +32,7 @@ struct light_histogram {
 };
 
 // Up to this many lights are weighted individually at each point; more are chosen by a tree.
-enum { LIGHT_WEIGHED_MAX = 16 };
+enum { LIGHT_WEIGHTS_MAX = 16 };
 // The visibility of the lights around a point. A NULL member means that all is visible.
 struct light_visibility {
     const struct light_histogram *histogram;  // of the environment
@@ -44,14 +44,15 @@ struct light_visibility {
 // (light.c).
 float light_estimate(const struct satin_scene *scene, const struct light *light, vec3 p);
 // Chooses a light for direct lighting at p; *probability > 0. light_count must be > 0. Fractions
-// are for scenes of up to LIGHT_WEIGHED_MAX lights.
+// are for scenes of up to LIGHT_WEIGHTS_MAX lights.
 uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
                       float u, float *probability);
 float light_choose_probability(const struct satin_scene *scene, vec3 p,
                                struct light_visibility visibility, uint32_t light);
-// The probabilities of all lights, of which there must be at most LIGHT_WEIGHED_MAX.
-void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
-                        float probability[LIGHT_WEIGHED_MAX]);
+// The probabilities of all lights, of which there must be at most LIGHT_WEIGHTS_MAX.
+void light_choose_probabilities(const struct satin_scene *scene, vec3 p,
+                                struct light_visibility visibility,
+                                float probability[LIGHT_WEIGHTS_MAX]);
 // Does what light_sample does, but with regard to the visibility.
 bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
                           struct light_visibility visibility, vec3 p, float u, float v,

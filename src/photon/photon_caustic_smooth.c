@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Removes the noise of photons from caustics. Where the estimates around a position differ from a
 // plane little more than their variance explains, they are replaced by the plane; where they differ
-// much more, they stay; in between a fraction of the difference is kept. Planes are fitted by least
-// squares at sites. The values at sites are smoothed in the same way over ever wider surroundings,
-// as long as these are a plane too.
+// much more, they stay; in between a fraction of the difference is preserved. Planes are fitted by
+// least squares at sites. The values at sites are smoothed in the same way over ever wider
+// surroundings, as long as these are a plane too.
 //
 // A site is at a random position beside a photon, so far that its estimate does not contain it:
 // estimates at photons are too high, and without the photon they would be too low, as photons are
@@ -122,16 +122,16 @@ static void estimate_sites(void *ctx, size_t begin, size_t end, int worker) {
 
 // Removes invalid sites.
 static void remove_invalid_sites(struct photon_sites *sites) {
-    size_t kept = 0;
+    size_t valid = 0;
     for (size_t i = 0; i < sites->count; i++) {
         if (sites->noise[i] < 0.0f) continue;
-        memcpy(sites->position.row + 6 * kept, sites->position.row + 6 * i,
+        memcpy(sites->position.row + 6 * valid, sites->position.row + 6 * i,
                6 * sizeof *sites->position.row);
-        sites->position.clear[kept] = sites->position.clear[i];
-        sites->value[kept] = sites->value[i];
-        sites->noise[kept++] = sites->noise[i];
+        sites->position.clear[valid] = sites->position.clear[i];
+        sites->value[valid] = sites->value[i];
+        sites->noise[valid++] = sites->noise[i];
     }
-    sites->count = kept;
+    sites->count = valid;
 }
 
 // Selects every STRIDE_WIDER-th of the sites that have planes.

@@ -12,9 +12,9 @@ struct photon_sites {
     rgb *value;    // first that of the position, later that of its plane
     float *noise;  // variance of a value over its square
     struct slope {
-        rgb u, v;       // slopes of the plane along u and v of the normal's frame
-        float differs;  // mean squared difference of the values from it, in units of noise
-        float kept;     // fraction of such differences that is kept
+        rgb u, v;         // slopes of the plane along u and v of the normal's frame
+        float differs;    // mean squared difference of the values from it, in units of noise
+        float preserved;  // fraction of such differences that is preserved
     } * slope;
     struct photon_index *index;
 };
@@ -32,7 +32,7 @@ struct photon_fitting {
 };
 // Fits a plane at each site.
 void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker);
-// Computes at each site the fraction of the differences from its plane that is kept.
+// Computes at each site the fraction of the differences from its plane that is preserved.
 void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker);
 
 // Context of photon_read_planes.

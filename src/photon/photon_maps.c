@@ -15,8 +15,8 @@
 #include "photon/photon_map.h"
 
 enum {
-    KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
-    KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
+    CLASSES_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
+    CLASSES_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     CONVERT_CHUNK = 4096  // photons per chunk
 };
 
@@ -121,9 +121,9 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
         .scene = pass->scene,
         .seed = o->seed,
         .consumer = {{.paths = pass->paths.global,
-                      .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
+                      .classes = bounced ? CLASSES_BOUNCED : CLASSES_ALL,
                       .allocation = &pass->allocation},
-                     {.paths = pass->paths.clusters, .classes = KEEP_ALL},
+                     {.paths = pass->paths.clusters, .classes = CLASSES_ALL},
                      {.paths = pass->paths.direct,
                       .classes = 1 << PHOTON_DIRECT,
                       .allocation = &pass->allocation}},

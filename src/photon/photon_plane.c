@@ -15,9 +15,9 @@ enum {
 // Fraction of the noise that remains in the difference from a plane, as discs of neighbours
 // overlap.
 #define RESIDUAL 0.6f
-// Mean squared differences in units of that noise: from KEPT_FROM on an increasing fraction is
-// kept; beyond DIFFERS_MOST larger ones count the same.
-#define KEPT_FROM 1.5f
+// Mean squared differences in units of that noise: from PRESERVED_FROM on an increasing fraction is
+// preserved; beyond DIFFERS_MOST larger ones count the same.
+#define PRESERVED_FROM 1.5f
 #define DIFFERS_MOST 3.0f
 #define PLANE_DEVIATIONS 4.0f  // beyond which a difference is not noise
 
@@ -127,7 +127,8 @@ static void evaluate_site(const struct photon_fitting *job, size_t i) {
         differs += near[k].weight * job->sites->slope[near[k].site].differs;
         sum += near[k].weight;
     }
-    job->sites->slope[i].kept = sum > 0.0f ? clampf(differs / sum - KEPT_FROM, 0.0f, 1.0f) : 1.0f;
+    job->sites->slope[i].preserved =
+        sum > 0.0f ? clampf(differs / sum - PRESERVED_FROM, 0.0f, 1.0f) : 1.0f;
 }
 
 void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker) {
@@ -147,7 +148,7 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
     const struct photon_sites *sites = job->sites;
     const vec3 p = photon_entry_position(job->position, i);
     int row[MIXED];
-    float distance2[MIXED], far2 = 0.0f, sum = 0.0f, kept = 0.0f, noise = 0.0f;
+    float distance2[MIXED], far2 = 0.0f, sum = 0.0f, preserved = 0.0f, noise = 0.0f;
     rgb plane = rgb_grey(0.0f);
     photon_index_nearest(sites->index, job->position->row + 6 * i, 1, MIXED, INFINITY, row,
                          distance2);
@@ -164,7 +165,7 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
         const rgb here =
             plane_at(sites->value[at], &sites->slope[at], v3_dot(d, frame.u), v3_dot(d, frame.v));
         sum += weight;
-        kept += weight * sites->slope[at].kept;
+        preserved += weight * sites->slope[at].preserved;
         noise += weight * sites->noise[at];
         plane = rgb_mad(plane, here, weight);
     }
@@ -172,9 +173,9 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
     plane = rgb_scale(plane, 1.0f / sum);
     const float most = PLANE_DEVIATIONS * PLANE_DEVIATIONS * noise / sum;
     const float differs = fmaxf(difference(job->value[i], plane), FLT_MIN);
-    kept = fmaxf(kept / sum, 1.0f - most / differs);
-    if (!(kept < 1.0f)) return job->value[i];
-    const rgb c = rgb_mad(plane, rgb_sub(job->value[i], plane), kept);
+    preserved = fmaxf(preserved / sum, 1.0f - most / differs);
+    if (!(preserved < 1.0f)) return job->value[i];
+    const rgb c = rgb_mad(plane, rgb_sub(job->value[i], plane), preserved);
     return rgb_at_least(c, 0.0f);
 }
 

@@ -25,7 +25,7 @@ enum {
 };
 
 // The photons of one chunk of paths for one consumer.
-struct kept {
+struct consumer_photons {
     struct photon_hit *hit;
     size_t count, capacity;
     size_t first;  // index of the first of them among those of all chunks
@@ -33,7 +33,7 @@ struct kept {
 };
 
 struct chunk {
-    struct kept kept[PHOTON_CONSUMERS];
+    struct consumer_photons photons[PHOTON_CONSUMERS];
     uint64_t refused;  // number of photons that are not finite
     bool failed;       // whether memory ran out
 };
@@ -63,12 +63,13 @@ struct flight {
     float factor[PHOTON_CONSUMERS];      // factor of its power, for each consumer
 };
 
-static bool append(struct kept *kept, struct photon_hit hit, enum photon_class class) {
-    void *items = kept->hit;
-    if (!array_reserve(&items, &kept->capacity, kept->count + 1, sizeof hit)) return false;
-    kept->hit = items;
-    kept->hit[kept->count++] = hit;
-    kept->stored[class]++;
+static bool append(struct consumer_photons *photons, struct photon_hit hit,
+                   enum photon_class class) {
+    void *items = photons->hit;
+    if (!array_reserve(&items, &photons->capacity, photons->count + 1, sizeof hit)) return false;
+    photons->hit = items;
+    photons->hit[photons->count++] = hit;
+    photons->stored[class]++;
     return true;
 }
 
@@ -100,7 +101,7 @@ static bool store_photon(const struct satin_scene *scene, struct chunk *chunk,
         if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
         if (!is_valid_hit(&hit))
             chunk->refused++;
-        else if (!append(&chunk->kept[i], hit, class))
+        else if (!append(&chunk->photons[i], hit, class))
             chunk->failed = true;
     }
     return !chunk->failed;
@@ -108,7 +109,7 @@ static bool store_photon(const struct satin_scene *scene, struct chunk *chunk,
 
 // Whether the surface's side towards wi has a smooth lobe, whatever its colour: a density estimate
 // beside a black texel needs the photons on it.
-static bool keeps_photons(const struct satin_scene *scene, const struct interaction *s, vec3 wi) {
+static bool stores_photons(const struct satin_scene *scene, const struct interaction *s, vec3 wi) {
     const struct material *m = &scene->material[s->material];
     bool behind = v3_dot(wi, s->frame.n) < 0.0f;
     struct scene_component component[MATERIAL_COMPONENTS_MAX];
@@ -165,7 +166,7 @@ static void follow_photon(const struct photon_tracing *tracing, struct flight f,
         struct interaction s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
         f.last = bounce == tracing->bounces;
-        if (f.wanted >> class_of(&f) & 1u && keeps_photons(scene, &s, v3_neg(f.ray.d)) &&
+        if (f.wanted >> class_of(&f) & 1u && stores_photons(scene, &s, v3_neg(f.ray.d)) &&
             !store_photon(scene, chunk, &s, &f))
             return;
         if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
@@ -266,7 +267,7 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
     }
     // The kd-tree numbers photons by int.
     size_t own = 0;
-    for (int k = 0; k < PHOTON_CONSUMERS; k++) own += chunk->kept[k].count;
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) own += chunk->photons[k].count;
     if (chunk->failed || atomic_fetch_add(&run->count, own) + own > INT_MAX)
         atomic_store(&run->failed, true);
 }
@@ -282,10 +283,11 @@ static void copy_chunks(void *ctx, size_t begin, size_t end, int worker) {
     const struct joining *j = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct kept *kept = &j->run->chunk[i].kept[j->consumer];
-        if (kept->count) memcpy(j->hit + kept->first, kept->hit, kept->count * sizeof *kept->hit);
-        free(kept->hit);
-        kept->hit = NULL;
+        struct consumer_photons *photons = &j->run->chunk[i].photons[j->consumer];
+        if (photons->count)
+            memcpy(j->hit + photons->first, photons->hit, photons->count * sizeof *photons->hit);
+        free(photons->hit);
+        photons->hit = NULL;
     }
 }
 
@@ -293,10 +295,10 @@ static void copy_chunks(void *ctx, size_t begin, size_t end, int worker) {
 static satin_status join(struct run *run, size_t chunks, int consumer, struct photon_trace *out) {
     struct photon_trace trace = {.hit = NULL};
     for (size_t i = 0; i < chunks; i++) {
-        struct kept *kept = &run->chunk[i].kept[consumer];
-        kept->first = trace.count;
-        trace.count += kept->count;
-        for (int c = 0; c < PHOTON_CLASSES; c++) trace.stored[c] += kept->stored[c];
+        struct consumer_photons *photons = &run->chunk[i].photons[consumer];
+        photons->first = trace.count;
+        trace.count += photons->count;
+        for (int c = 0; c < PHOTON_CLASSES; c++) trace.stored[c] += photons->stored[c];
     }
     if (trace.count) trace.hit = malloc(trace.count * sizeof *trace.hit);
     if (trace.count && !trace.hit) return SATIN_ERROR_MEMORY;
@@ -326,7 +328,7 @@ static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_CO
         status = SATIN_ERROR_MEMORY;
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (status == SATIN_OK) status = join(run, chunks, k, &out[k]);
-        for (size_t i = 0; i < chunks; i++) free(run->chunk[i].kept[k].hit);
+        for (size_t i = 0; i < chunks; i++) free(run->chunk[i].photons[k].hit);
     }
     return status;
 }

@@ -115,6 +115,12 @@ IDENTIFIERS = {
         "xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
         "SetSharedFilterImage": "src/film/"}),
 }
+# Words that are retired from identifiers alone: a pattern of the word, the files from which it is
+# retired, and the terms in its place.
+RETIRED_IDENTIFIERS = [
+    ("keep|keeps|kept|keeping|keeper", "src/photon/", "consumer, stored, preserved"),
+    ("weigh|weighs|weighed|weighing", "src/", "weight, weights, probability"),
+]
 # Outside, where the identifiers of src may stand in any C file, also these. A room is a scene
 # there.
 TEST_IDENTIFIERS = {
@@ -149,7 +155,8 @@ OTHER_MEANING = re.compile(r"""\bplaces?\ (?:where|at\ which|in\ (?:space|a\ roo
     | \bas\ seen\ (?:above|below|before)\b | \b(?:has|have)\ (?:been\ )?seen\b
     | \bguidelines?\b | \b(?:user's|this)\ guide\b""", re.VERBOSE | re.IGNORECASE)
 # Lines that must be found wrong, and lines that must not.
-WRONG = [("src/load/load.c", "vec3 place;"), ("src/guide/guide.h", "float seen_fraction;"),
+WRONG = [("src/photon/photon.h", "int KEEP_ALL;"), ("src/light/light.h", "weigh_leaf(x);"),
+         ("src/load/load.c", "vec3 place;"), ("src/guide/guide.h", "float seen_fraction;"),
          ("src/cache/cache.c", "int level;"), ("src/render/render.c", "int guide;"),
          ("src/load/load.c", "// A place where light is."), ("src/light/light.c", "// a level"),
          ("src/base/array.c", "float share;"), ("src/gather/gather.h", "bool has_room;"),
@@ -227,6 +234,11 @@ def wrong_identifiers(text, name):
             if not any(re.fullmatch(known, identifier) and re.match(where, name)
                        for known, where in allowed.items()):
                 yield f"'{identifier}' is not what docs/glossary.md calls {term}"
+    for words, where, instead in RETIRED_IDENTIFIERS:
+        retired = re.compile(rf"(?:^|_)(?i:{words})(?:$|_)")
+        if re.match(where, name):
+            yield from (f"'{x}' is retired here: {instead}"
+                        for x in sorted(filter(retired.search, identifiers)))
     for variable, kind in TYPES.items():
         for found in re.findall(rf"(\w+)[\s*]+{variable}\b(?=[;,)\[ =])", text):
             if found not in (kind, "return"):
