@@ -57,8 +57,8 @@ struct cache_lobe {
     int order;       // at most the cache's; 0: there is no glossy lobe
     int channels;    // 1 or 3
     // By these a record finds out whether its residual is of this lobe (cache_residual.c).
-    uint32_t name;  // equal for BRDFs that are equal up to their factor; 0: it has none
-    vec3 mirror;    // see cache_mirror
+    uint32_t number;  // equal for BRDFs that are equal up to their factor; 0: it has none
+    vec3 mirror;      // see cache_mirror
 };
 // The direction, in world space, that an ideal mirror shows along wo, which is in the frame.
 static inline vec3 cache_mirror(const struct frame *frame, vec3 wo) {

@@ -57,7 +57,7 @@ static void put_radiance(const struct cache *cache, size_t i, float *out) {
     out = put_vec3(out, residual->mirror);
     out = put3(out, residual->L.r, residual->L.g, residual->L.b);
     memcpy(out++, &record->rays, sizeof record->rays);
-    memcpy(out++, &residual->name, sizeof residual->name);
+    memcpy(out++, &residual->lobe_number, sizeof residual->lobe_number);
     const float *value = record->value;
     for (int k = 0; k < order * order; k++, value += CACHE_LANES, out += COEFFICIENT_WORDS) {
         memcpy(out, value, 4 * sizeof *out);
@@ -75,7 +75,7 @@ static bool get_radiance(struct cache *cache, size_t i, const float *in) {
     r.residual.mirror = v3(in[10], in[11], in[12]);
     r.residual.L = rgb_make(in[13], in[14], in[15]);
     memcpy(&r.rays, &in[16], sizeof r.rays);
-    memcpy(&r.residual.name, &in[17], sizeof r.residual.name);
+    memcpy(&r.residual.lobe_number, &in[17], sizeof r.residual.lobe_number);
     if (!value ||
         !array_reserve((void **)&cache->radiance, &cache->radiance_capacity, i + 1, sizeof r))
         return false;

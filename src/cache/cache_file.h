@@ -44,7 +44,7 @@ struct cache_file_header {
 enum {
     HEAD_WORDS = 17,        // p R, n search_radius, anisotropy scale, u; near_sectors; clear
     IRRADIANCE_WORDS = 24,  // E, dE/dp r g b, rotation r g b, deviation, radius_ratio; rays
-    RADIANCE_WORDS = 18,  // frame u v n, radius_ratio, residual mirror L; rays, residual name; then
+    RADIANCE_WORDS = 18,    // frame u v n, radius_ratio, residual mirror L; rays, lobe number; then
     COEFFICIENT_WORDS = 10  // for each coefficient: Lambda r g b noise, d/dx r g b, d/dy r g b
 };
 _Static_assert(sizeof(struct cache_head) == 4 * HEAD_WORDS, "a head is a row");

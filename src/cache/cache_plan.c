@@ -45,7 +45,7 @@ struct cache_used cache_plan_radiance(const struct cache_reader *reader,
     float C[3 * RSH_MAX_COEFFICIENTS];
     struct cache_lobe lobe = {.C = C,
                               .channels = plan->channels,
-                              .name = cache_lobe_number(p),
+                              .number = cache_lobe_number(p),
                               .mirror = cache_mirror(&p->frame, p->wo_l)};
     const bool shiny = plan->cached & BRDF_GLOSSY;
     if (shiny) lobe.order = brdf_range_lookup(plan->table, &p->brdf, p->wo_l, C);

@@ -32,9 +32,9 @@ enum { CACHE_LANES = 12 };
 // The radiance that the BRDF of a record's site reflects of the record's rays, minus that which it
 // reflects of their harmonics.
 struct cache_residual {
-    uint32_t name;  // see cache_lobe; 0: there is no residual
-    vec3 mirror;    // see cache_lobe
-    rgb L;          // without the BRDF's factor `specular`
+    uint32_t lobe_number;  // see cache_lobe; 0: there is no residual
+    vec3 mirror;           // see cache_lobe
+    rgb L;                 // without the BRDF's factor `specular`
 };
 
 struct cache_radiance_record {

@@ -10,7 +10,7 @@
 static const float WIDTH = 0.12f;
 
 rgb cache_residual_read(const struct cache_residual *residual, const struct cache_lobe *lobe) {
-    if (!residual->name || residual->name != lobe->name) return rgb_grey(0.0f);
+    if (!residual->lobe_number || residual->lobe_number != lobe->number) return rgb_grey(0.0f);
     const float away = sqrtf(v3_dist2(residual->mirror, lobe->mirror)) / WIDTH;
     return rgb_scale(residual->L, at_least(1.0f - away, 0.0f));
 }

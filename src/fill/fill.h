@@ -17,7 +17,7 @@ struct fill_glossy {
     const struct brdf_range *table;  // table of its harmonics; NULL: there is no glossy lobe, or it
                                      // is not cached
     int channels;                    // of the table: 1 or 3
-    uint32_t name;                   // see cache_lobe; 0: no record has a residual for it
+    uint32_t lobe_number;            // see cache_lobe; 0: no record has a residual for it
     vec3 wo;                         // direction to the eye, in the site's frame
 };
 

@@ -171,7 +171,8 @@ static void gather_more(const struct batch *b, struct job *job, const struct gat
 static struct cache_residual find_residual(const struct batch *b, const struct job *job,
                                            const struct gather_hemisphere *hemisphere) {
     const struct fill_site *s = job->site;
-    if (!s->glossy.table || !s->glossy.name) return (struct cache_residual){.name = 0};
+    if (!s->glossy.table || !s->glossy.lobe_number)
+        return (struct cache_residual){.lobe_number = 0};
     const rgb whole =
         gather_hemisphere_reflected(hemisphere, &s->glossy.brdf, s->glossy.wo, BRDF_GLOSSY);
     return fill_residual(&job->radiance, b->store->order, &s->frame, &s->glossy, whole);
@@ -187,10 +188,10 @@ static bool make_irradiance(const struct batch *b, struct job *job, const struct
 
 // Copies coefficients to the layout of cache_radiance_record.
 static void interleave(const struct gather_radiance *from, int n2, float *value) {
-    const float *part[3] = {from->lambda, from->dx, from->dy};
+    const float *array[3] = {from->lambda, from->dx, from->dy};
     for (int k = 0; k < n2; k++)
         for (int i = 0; i < 3; i++)
-            for (int c = 0; c < 3; c++) value[k * CACHE_LANES + 4 * i + c] = part[i][c * n2 + k];
+            for (int c = 0; c < 3; c++) value[k * CACHE_LANES + 4 * i + c] = array[i][c * n2 + k];
     for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
 }
 

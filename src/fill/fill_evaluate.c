@@ -43,7 +43,7 @@ static void find_surface(const struct fill_site *s, int order, struct cache_surf
     if (order == 0 || !v->table) return;
     out->lobe.order = brdf_range_lookup(v->table, &v->brdf, v->wo, out->coefficients);
     out->lobe.channels = v->channels;
-    out->lobe.name = v->name;
+    out->lobe.number = v->lobe_number;
     out->lobe.mirror = cache_mirror(&s->frame, v->wo);
 }
 

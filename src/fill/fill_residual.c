@@ -10,7 +10,7 @@ struct cache_residual fill_residual(const struct gather_radiance *radiance, int 
                                     const struct frame *frame, const struct fill_glossy *glossy,
                                     rgb whole) {
     float C[3 * RSH_MAX_COEFFICIENTS], sum[3] = {0};
-    struct cache_residual residual = {.name = 0};
+    struct cache_residual residual = {.lobe_number = 0};
     const int n = brdf_range_lookup(glossy->table, &glossy->brdf, glossy->wo, C);
     if (n == 0) return residual;
     for (int c = 0; c < 3; c++) {
@@ -18,7 +18,7 @@ struct cache_residual fill_residual(const struct gather_radiance *radiance, int 
         const float *lambda = radiance->lambda + c * order * order;
         for (int k = 0; k < n * n; k++) sum[c] += lobe[k] * lambda[k];
     }
-    residual.name = glossy->name;
+    residual.lobe_number = glossy->lobe_number;
     residual.mirror = cache_mirror(frame, glossy->wo);
     residual.L = rgb_sub(whole, rgb_make(sum[0], sum[1], sum[2]));
     return residual;

@@ -15,7 +15,7 @@ enum {
     // Work of one thread: numbers of photons and of leaves. Larger nodes are split depth by depth,
     // with all nodes of a depth at once.
     RUN_PHOTONS = 2048,
-    PART_LEAVES = 128,
+    TASK_LEAVES = 128,
     CLUSTER_CHUNK = 4096
 };
 
@@ -256,7 +256,7 @@ static void run_tasks(void *ctx, size_t begin, size_t end, int worker) {
     const struct tree_building *b = ctx;
     (void)worker;
     for (struct task *t = b->task + begin; t < b->task + end; t++)
-        if (t->count > PART_LEAVES)
+        if (t->count > TASK_LEAVES)
             make_node(b, t);
         else
             make_nodes(b, t);
@@ -274,7 +274,7 @@ static bool make_all_nodes(struct tree_building *b, size_t leaves, struct parall
         struct task *next = b->task + tasks;
         size_t more = 0;
         for (size_t i = 0; i < tasks; i++) {
-            if (done[i].count <= PART_LEAVES) continue;
+            if (done[i].count <= TASK_LEAVES) continue;
             children_of(b, &done[i], next + more);
             more += 2;
         }

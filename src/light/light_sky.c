@@ -19,7 +19,7 @@ struct dome {
 };
 
 // The part of a turbidity above the integer one of the table's row *row, in [0, 1].
-static double turbidity_part(float turbidity, int *row) {
+static double turbidity_fraction(float turbidity, int *row) {
     const double at =
         (double)clampf(turbidity, SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX) - SKY_TURBIDITY_MIN;
     *row = (int)fmin(at, SKY_TURBIDITIES - 2);
@@ -42,14 +42,14 @@ static void domes(const struct sky *sky, struct dome out[3]) {
     const double albedo[3] = {(double)sky->albedo.r, (double)sky->albedo.g, (double)sky->albedo.b};
     int row;
     double node[SKY_NODES];
-    const double part = turbidity_part(sky->turbidity, &row);
+    const double fraction = turbidity_fraction(sky->turbidity, &row);
     bezier_weights(elevation_root(sky), node);
     for (int k = 0; k < 3; k++) {
         out[k] = (struct dome){0};
         for (int corner = 0; corner < 4; corner++) {
             const int t = row + corner / 2, ground = corner % 2;
             const double weight =
-                (corner / 2 ? part : 1.0 - part) * (ground ? albedo[k] : 1.0 - albedo[k]);
+                (corner / 2 ? fraction : 1.0 - fraction) * (ground ? albedo[k] : 1.0 - albedo[k]);
             for (int n = 0; n < SKY_NODES; n++) {
                 const float *shape = &sky_shape[t][ground][n][k * SKY_SHAPE];
                 out[k].brightness +=
@@ -87,9 +87,9 @@ bool sky_image(struct arena *arena, const struct sky *sky, struct image *out) {
                               (float)(-sin(theta) * cos(phi)));
             const double gamma = 2.0 * asin(fmin(0.5 * (double)sqrtf(v3_dist2(w, sky->sun)), 1.0));
             // At the horizon is the mean of the sky above and of nothing below.
-            const float part = row < SKY_ROWS / 2 ? 1.0f : row == SKY_ROWS / 2 ? 0.5f : 0.0f;
+            const float fraction = row < SKY_ROWS / 2 ? 1.0f : row == SKY_ROWS / 2 ? 0.5f : 0.0f;
             for (int k = 0; k < 3; k++)
-                t[k] = part * dome_at(&dome[k], fmax(cos(theta), 0.0), gamma);
+                t[k] = fraction * dome_at(&dome[k], fmax(cos(theta), 0.0), gamma);
         }
     *out = (struct image){SKY_COLUMNS, SKY_ROWS, 3, texel};
     return true;
@@ -105,7 +105,7 @@ static double catmull_rom(const double p[4], double t) {
 // The cube root of the radiance is interpolated: it is nearly linear where the sun sets.
 rgb sky_sun(const struct sky *sky) {
     int row;
-    const double part = turbidity_part(sky->turbidity, &row);
+    const double fraction = turbidity_fraction(sky->turbidity, &row);
     const double at = elevation_root(sky) * (SKY_SUN_NODES - 1);
     const int node = (int)fmin(at, SKY_SUN_NODES - 2);
     double L[3];
@@ -113,8 +113,8 @@ rgb sky_sun(const struct sky *sky) {
         double p[4];
         for (int i = 0; i < 4; i++) {
             const int from = (int)fmin(fmax(node - 1 + i, 0), SKY_SUN_NODES - 1);
-            p[i] = cbrt((1.0 - part) * (double)sky_sun_radiance[row][3 * from + k] +
-                        part * (double)sky_sun_radiance[row + 1][3 * from + k]);
+            p[i] = cbrt((1.0 - fraction) * (double)sky_sun_radiance[row][3 * from + k] +
+                        fraction * (double)sky_sun_radiance[row + 1][3 * from + k]);
         }
         L[k] = pow(fmax(catmull_rom(p, at - node), 0.0), 3.0);
     }

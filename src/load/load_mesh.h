@@ -6,7 +6,7 @@
 #include "load/load_build.h"
 
 // A mesh being read, in object space. All arrays are in the source's arena.
-struct mesh_parts {
+struct raw_mesh {
     uint32_t vertex_count, triangle_count;
     float *position;  // 3 per vertex, with 1 float of padding
     float *normal;    // 3 per vertex, any length, zero where the file has none; NULL: no normals
@@ -25,18 +25,18 @@ satin_status mesh_no_memory(const struct load_source *source);
 // Allocates the arrays of a mesh of `vertices` vertices; normal and uv only if requested, index
 // never.
 satin_status mesh_allocate(const struct load_source *source, uint32_t vertices, bool normals,
-                           bool uvs, struct mesh_parts *out);
+                           bool uvs, struct raw_mesh *out);
 
 // Sets negative values of an attribute to 0, with a warning, as for images.
 void mesh_attribute_check(const struct load_source *source, const char *name, float *value,
                           size_t count);
 
 // Computes normals that are smooth across edges below an angle (load_mesh_smooth.c).
-satin_status mesh_smooth(const struct load_source *source, float degrees, struct mesh_parts *parts);
+satin_status mesh_smooth(const struct load_source *source, float degrees, struct raw_mesh *raw);
 
 // Checks the indices, transforms to world space, computes normals, orders vertices and flips
 // normals.
 satin_status mesh_finish(const struct load_source *source, const struct mesh_request *request,
-                         struct mesh_parts *parts, struct mesh *out);
+                         struct raw_mesh *raw, struct mesh *out);
 
 #endif

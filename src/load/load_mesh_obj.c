@@ -194,31 +194,29 @@ static satin_status read_obj_lines(struct obj *obj) {
     return SATIN_OK;
 }
 
-static satin_status assemble_obj(const struct obj *obj, struct mesh_parts *out) {
+static satin_status assemble_obj(const struct obj *obj, struct raw_mesh *out) {
     bool normals = false, uvs = false;
     for (size_t i = 0; i < obj->corner_count; i++) {
         normals = normals || obj->corner[i].normal >= 0;
         uvs = uvs || obj->corner[i].uv >= 0;
     }
-    struct mesh_parts parts;
+    struct raw_mesh raw;
     satin_status status =
-        mesh_allocate(obj->source, (uint32_t)obj->corner_count, normals, uvs, &parts);
+        mesh_allocate(obj->source, (uint32_t)obj->corner_count, normals, uvs, &raw);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < obj->corner_count; i++) {
         struct obj_corner c = obj->corner[i];
-        memcpy(parts.position + i * 3, obj->position.value + (size_t)c.position * 3,
+        memcpy(raw.position + i * 3, obj->position.value + (size_t)c.position * 3,
                3 * sizeof(float));
-        if (c.uv >= 0)
-            memcpy(parts.uv + i * 2, obj->uv.value + (size_t)c.uv * 2, 2 * sizeof(float));
+        if (c.uv >= 0) memcpy(raw.uv + i * 2, obj->uv.value + (size_t)c.uv * 2, 2 * sizeof(float));
         if (c.normal >= 0)
-            memcpy(parts.normal + i * 3, obj->normal.value + (size_t)c.normal * 3,
-                   3 * sizeof(float));
+            memcpy(raw.normal + i * 3, obj->normal.value + (size_t)c.normal * 3, 3 * sizeof(float));
     }
-    parts.triangle_count = (uint32_t)(obj->index_count / 3);
-    parts.index = arena_array(obj->source->arena, obj->index_count, sizeof(uint32_t));
-    if (!parts.index) return mesh_no_memory(obj->source);
-    memcpy(parts.index, obj->index, obj->index_count * sizeof(uint32_t));
-    *out = parts;
+    raw.triangle_count = (uint32_t)(obj->index_count / 3);
+    raw.index = arena_array(obj->source->arena, obj->index_count, sizeof(uint32_t));
+    if (!raw.index) return mesh_no_memory(obj->source);
+    memcpy(raw.index, obj->index, obj->index_count * sizeof(uint32_t));
+    *out = raw;
     return SATIN_OK;
 }
 
@@ -229,12 +227,12 @@ satin_status load_mesh_obj(const struct load_source *source, const struct mesh_r
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct obj obj = {.source = source, .text = {data, data + size, 1}};
-    struct mesh_parts parts;
+    struct raw_mesh raw;
     status = read_obj_lines(&obj);
     if (status == SATIN_OK && obj.index_count == 0)
         status = mesh_error(source, 0, "there is no face in it");
-    if (status == SATIN_OK) status = assemble_obj(&obj, &parts);
+    if (status == SATIN_OK) status = assemble_obj(&obj, &raw);
     obj_free(&obj);
     free(data);
-    return status == SATIN_OK ? mesh_finish(source, request, &parts, out) : status;
+    return status == SATIN_OK ? mesh_finish(source, request, &raw, out) : status;
 }

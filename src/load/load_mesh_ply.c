@@ -14,7 +14,7 @@ struct ply {
     const struct load_source *source;
     struct mesh_text text;  // the cursor in a binary body too, where its line is not used
     struct ply_header header;
-    struct mesh_parts parts;
+    struct raw_mesh raw;
     uint32_t *index;  // in the arena while all faces are triangles, then from malloc
     size_t index_count, index_capacity;
     bool grown;
@@ -122,9 +122,9 @@ static satin_status read_vertex(struct ply *ply, const struct ply_element *eleme
         if (!isfinite(value[property->role]))
             return fail_at(ply, element, i, "a coordinate is not finite");
     }
-    memcpy(ply->parts.position + i * 3, value + PLY_X, 3 * sizeof(float));
-    if (ply->parts.normal) memcpy(ply->parts.normal + i * 3, value + PLY_NX, 3 * sizeof(float));
-    if (ply->parts.uv) memcpy(ply->parts.uv + i * 2, value + PLY_U, 2 * sizeof(float));
+    memcpy(ply->raw.position + i * 3, value + PLY_X, 3 * sizeof(float));
+    if (ply->raw.normal) memcpy(ply->raw.normal + i * 3, value + PLY_NX, 3 * sizeof(float));
+    if (ply->raw.uv) memcpy(ply->raw.uv + i * 2, value + PLY_U, 2 * sizeof(float));
     ply_attributes_vertex(&ply->attributes, i);
     return SATIN_OK;
 }
@@ -195,7 +195,7 @@ static satin_status read_body(struct ply *ply) {
     bool normals = header->has[PLY_NX] && header->has[PLY_NY] && header->has[PLY_NZ];
     bool uvs = header->has[PLY_U] && header->has[PLY_V];
     satin_status status =
-        mesh_allocate(ply->source, (uint32_t)header->vertex_count, normals, uvs, &ply->parts);
+        mesh_allocate(ply->source, (uint32_t)header->vertex_count, normals, uvs, &ply->raw);
     ply->index_capacity = (size_t)header->face_count * 3;
     ply->index = arena_array(ply->source->arena, ply->index_capacity, sizeof *ply->index);
     if (status == SATIN_OK && !ply->index) return mesh_no_memory(ply->source);
@@ -210,12 +210,12 @@ static satin_status read_body(struct ply *ply) {
     if (!ply->index_count) return mesh_error(ply->source, 0, "no face has three corners");
     if (ply->index_count / 3 > UINT32_MAX)
         return mesh_error(ply->source, 0, "there are too many triangles in it");
-    ply->parts.triangle_count = (uint32_t)(ply->index_count / 3);
-    ply->parts.index = ply->index;
+    ply->raw.triangle_count = (uint32_t)(ply->index_count / 3);
+    ply->raw.index = ply->index;
     if (!ply->grown) return SATIN_OK;
-    ply->parts.index = arena_array(ply->source->arena, ply->index_count, sizeof(uint32_t));
-    if (!ply->parts.index) return mesh_no_memory(ply->source);
-    memcpy(ply->parts.index, ply->index, ply->index_count * sizeof(uint32_t));
+    ply->raw.index = arena_array(ply->source->arena, ply->index_count, sizeof(uint32_t));
+    if (!ply->raw.index) return mesh_no_memory(ply->source);
+    memcpy(ply->raw.index, ply->index, ply->index_count * sizeof(uint32_t));
     return SATIN_OK;
 }
 
@@ -230,9 +230,9 @@ satin_status load_mesh_ply(const struct load_source *source, const struct mesh_r
     if (status == SATIN_OK)
         status = ply_attributes_find(source, &request->attributes, &ply.header, &ply.attributes);
     if (status == SATIN_OK) status = read_body(&ply);
-    if (status == SATIN_OK) status = ply_attributes_keep(source, &ply.attributes, &ply.parts);
+    if (status == SATIN_OK) status = ply_attributes_keep(source, &ply.attributes, &ply.raw);
     ply_attributes_free(&ply.attributes);
     if (ply.grown) free(ply.index);
     free(data);
-    return status == SATIN_OK ? mesh_finish(source, request, &ply.parts, out) : status;
+    return status == SATIN_OK ? mesh_finish(source, request, &ply.raw, out) : status;
 }

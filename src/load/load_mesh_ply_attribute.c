@@ -130,8 +130,7 @@ bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles) {
 }
 
 satin_status ply_attributes_keep(const struct load_source *source,
-                                 const struct ply_attributes *attributes,
-                                 struct mesh_parts *parts) {
+                                 const struct ply_attributes *attributes, struct raw_mesh *raw) {
     if (!attributes->count) return SATIN_OK;
     struct mesh_attribute *kept =
         arena_array(source->arena, (size_t)attributes->count, sizeof *kept);
@@ -139,7 +138,7 @@ satin_status ply_attributes_keep(const struct load_source *source,
     for (int i = 0; i < attributes->count; i++) {
         const struct ply_attribute *a = &attributes->attribute[i];
         float *value = a->value;
-        size_t count = a->per_face ? a->count : (size_t)parts->vertex_count * (size_t)a->channels;
+        size_t count = a->per_face ? a->count : (size_t)raw->vertex_count * (size_t)a->channels;
         mesh_attribute_check(source, a->name, value, count);
         if (a->per_face) {
             value = arena_array(source->arena, a->count, sizeof *value);
@@ -148,8 +147,8 @@ satin_status ply_attributes_keep(const struct load_source *source,
         }
         kept[i] = (struct mesh_attribute){a->name, a->per_face, a->channels, value};
     }
-    parts->attribute = kept;
-    parts->attribute_count = attributes->count;
+    raw->attribute = kept;
+    raw->attribute_count = attributes->count;
     return SATIN_OK;
 }
 

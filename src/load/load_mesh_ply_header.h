@@ -96,7 +96,7 @@ void ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex);
 bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles);
 // Moves the attributes to the arena.
 satin_status ply_attributes_keep(const struct load_source *source,
-                                 const struct ply_attributes *attributes, struct mesh_parts *parts);
+                                 const struct ply_attributes *attributes, struct raw_mesh *raw);
 void ply_attributes_free(struct ply_attributes *attributes);
 
 #endif

@@ -169,40 +169,39 @@ static satin_status read_arrays(struct packed *packed, const struct packed_heade
 
 // Stores the colours as an attribute.
 static satin_status keep_color(const struct packed *packed, const float *color,
-                               struct mesh_parts *parts) {
-    size_t n = (size_t)parts->vertex_count * 3;
+                               struct raw_mesh *raw) {
+    size_t n = (size_t)raw->vertex_count * 3;
     struct mesh_attribute *kept = arena_alloc(packed->source->arena, sizeof *kept);
     float *value = arena_array(packed->source->arena, n, sizeof *value);
     if (!kept || !value) return mesh_no_memory(packed->source);
     memcpy(value, color, n * sizeof *value);
     mesh_attribute_check(packed->source, packed->color, value, n);
     *kept = (struct mesh_attribute){packed->color, false, 3, value};
-    parts->attribute = kept;
-    parts->attribute_count = 1;
+    raw->attribute = kept;
+    raw->attribute_count = 1;
     return SATIN_OK;
 }
 
 static satin_status assemble_serialized(const struct packed *packed,
                                         const struct packed_header *header,
-                                        const struct arrays *arrays, struct mesh_parts *out) {
-    struct mesh_parts parts;
+                                        const struct arrays *arrays, struct raw_mesh *out) {
+    struct raw_mesh raw;
     size_t n = (size_t)header->vertices;
     satin_status status =
-        mesh_allocate(packed->source, (uint32_t)n, arrays->normal, arrays->uv, &parts);
+        mesh_allocate(packed->source, (uint32_t)n, arrays->normal, arrays->uv, &raw);
     if (status != SATIN_OK) return status;
-    memcpy(parts.position, arrays->position, n * 3 * sizeof(float));
-    if (parts.normal) memcpy(parts.normal, arrays->normal, n * 3 * sizeof(float));
-    if (parts.uv) memcpy(parts.uv, arrays->uv, n * 2 * sizeof(float));
-    parts.triangle_count = (uint32_t)header->triangles;
-    parts.index =
-        arena_array(packed->source->arena, (size_t)header->triangles * 3, sizeof(uint32_t));
-    if (!parts.index) return mesh_no_memory(packed->source);
-    memcpy(parts.index, arrays->index, (size_t)header->triangles * 3 * sizeof(uint32_t));
-    *out = parts;
+    memcpy(raw.position, arrays->position, n * 3 * sizeof(float));
+    if (raw.normal) memcpy(raw.normal, arrays->normal, n * 3 * sizeof(float));
+    if (raw.uv) memcpy(raw.uv, arrays->uv, n * 2 * sizeof(float));
+    raw.triangle_count = (uint32_t)header->triangles;
+    raw.index = arena_array(packed->source->arena, (size_t)header->triangles * 3, sizeof(uint32_t));
+    if (!raw.index) return mesh_no_memory(packed->source);
+    memcpy(raw.index, arrays->index, (size_t)header->triangles * 3 * sizeof(uint32_t));
+    *out = raw;
     return arrays->color ? keep_color(packed, arrays->color, out) : SATIN_OK;
 }
 
-static satin_status read_packed_mesh(struct packed *packed, struct mesh_parts *out) {
+static satin_status read_packed_mesh(struct packed *packed, struct raw_mesh *out) {
     struct packed_header header = {0};
     satin_status status = read_packed_header(packed, &header);
     if (status != SATIN_OK) return status;
@@ -245,7 +244,7 @@ static unsigned version_at(const unsigned char *data, size_t size, size_t at) {
 
 static satin_status read_serialized_file(const struct load_source *source,
                                          const struct mesh_request *request, unsigned char *data,
-                                         size_t size, struct mesh_parts *out) {
+                                         size_t size, struct raw_mesh *out) {
     struct packed packed = {.source = source, .version = version_at(data, size, 0)};
     for (int i = 0; i < request->attributes.count; i++)
         if (strcmp(request->attributes.name[i], "vertex_color") == 0)
@@ -272,8 +271,8 @@ satin_status load_mesh_serialized(const struct load_source *source,
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    struct mesh_parts parts;
-    status = read_serialized_file(source, request, (unsigned char *)data, size, &parts);
+    struct raw_mesh raw;
+    status = read_serialized_file(source, request, (unsigned char *)data, size, &raw);
     free(data);
-    return status == SATIN_OK ? mesh_finish(source, request, &parts, out) : status;
+    return status == SATIN_OK ? mesh_finish(source, request, &raw, out) : status;
 }

@@ -9,21 +9,20 @@ static satin_status make(struct arena *arena, const struct mesh_request *request
                          const float (*position)[3], const float (*normal)[3], const float (*uv)[2],
                          struct mesh *out) {
     struct load_source source = {.arena = arena, .path = "shape"};
-    struct mesh_parts parts;
-    satin_status status = mesh_allocate(&source, vertices, true, true, &parts);
+    struct raw_mesh raw;
+    satin_status status = mesh_allocate(&source, vertices, true, true, &raw);
     if (status != SATIN_OK) return status;
-    memcpy(parts.position, position, vertices * sizeof *position);
-    memcpy(parts.uv, uv, vertices * sizeof *uv);
+    memcpy(raw.position, position, vertices * sizeof *position);
+    memcpy(raw.uv, uv, vertices * sizeof *uv);
     // Every four vertices are a face with one normal, split along its diagonal.
-    parts.triangle_count = vertices / 2;
-    parts.index = arena_array(arena, (size_t)parts.triangle_count * 3, sizeof(uint32_t));
-    if (!parts.index) return SATIN_ERROR_MEMORY;
+    raw.triangle_count = vertices / 2;
+    raw.index = arena_array(arena, (size_t)raw.triangle_count * 3, sizeof(uint32_t));
+    if (!raw.index) return SATIN_ERROR_MEMORY;
     static const uint32_t corner[6] = {0, 1, 2, 3, 0, 2};
-    for (uint32_t i = 0; i < parts.triangle_count * 3; i++)
-        parts.index[i] = i / 6 * 4 + corner[i % 6];
+    for (uint32_t i = 0; i < raw.triangle_count * 3; i++) raw.index[i] = i / 6 * 4 + corner[i % 6];
     for (uint32_t i = 0; i < vertices; i++)
-        memcpy(parts.normal + (size_t)i * 3, normal[i / 4], sizeof *normal);
-    return mesh_finish(&source, request, &parts, out);
+        memcpy(raw.normal + (size_t)i * 3, normal[i / 4], sizeof *normal);
+    return mesh_finish(&source, request, &raw, out);
 }
 
 satin_status load_mesh_rectangle(struct arena *arena, const struct mesh_request *request,

@@ -29,14 +29,14 @@ const struct plugin_spec load_group_plugins[] = {
      NULL, false},
     {0}};
 
-static satin_status add_parts(struct load_state *loader, const struct params *p) {
+static satin_status add_children(struct load_state *loader, const struct params *p) {
     if (loader->shape_depth == GROUP_NESTING_MAX)
         return load_refuse(loader, p, "shapes are nested too deep, or contain themselves");
     loader->shape_depth++;
     satin_status status = SATIN_OK;
-    struct xml_node *at = NULL, *part;
-    while (status == SATIN_OK && (part = params_child(&loader->xml, p->node, XML_SHAPE, &at)))
-        status = load_shape_add(loader, part);
+    struct xml_node *at = NULL, *child;
+    while (status == SATIN_OK && (child = params_child(&loader->xml, p->node, XML_SHAPE, &at)))
+        status = load_shape_add(loader, child);
     loader->shape_depth--;
     return status;
 }
@@ -44,7 +44,7 @@ static satin_status add_parts(struct load_state *loader, const struct params *p)
 // Builds a group at the first reference to it.
 static satin_status add_group(struct load_state *loader, const struct params *p) {
     if (p->node->group) return SATIN_OK;
-    if (loader->open_group) return load_refuse(loader, p, "it cannot be part of another group");
+    if (loader->open_group) return load_refuse(loader, p, "it cannot be child of another group");
     void *items = loader->group;
     if (!array_reserve(&items, &loader->group_capacity, loader->group_count + 1,
                        sizeof *loader->group))
@@ -52,7 +52,7 @@ static satin_status add_group(struct load_state *loader, const struct params *p)
     loader->group = items;
     struct shape_group group = {.first = (uint32_t)loader->shape_count};
     loader->open_group = (uint32_t)loader->group_count + 1;
-    satin_status status = add_parts(loader, p);
+    satin_status status = add_children(loader, p);
     p->node->group = loader->open_group;
     loader->open_group = 0;
     group.count = (uint32_t)loader->shape_count - group.first;
@@ -66,7 +66,7 @@ static satin_status add_group(struct load_state *loader, const struct params *p)
 }
 
 static satin_status add_instance(struct load_state *loader, const struct params *p) {
-    if (loader->open_group) return load_refuse(loader, p, "it cannot be part of a group");
+    if (loader->open_group) return load_refuse(loader, p, "it cannot be child of a group");
     struct xml_node *at = NULL, *group = params_child(&loader->xml, p->node, XML_SHAPE, &at);
     if (!group || params_child(&loader->xml, p->node, XML_SHAPE, &at) ||
         strcmp(group->type, "shapegroup") != 0)
@@ -86,6 +86,6 @@ static satin_status add_instance(struct load_state *loader, const struct params 
 }
 
 satin_status load_group_add(struct load_state *loader, const struct params *p) {
-    if (p->plugin == &load_group_plugins[0]) return add_parts(loader, p);
+    if (p->plugin == &load_group_plugins[0]) return add_children(loader, p);
     return p->plugin == &load_group_plugins[1] ? add_group(loader, p) : add_instance(loader, p);
 }

@@ -240,20 +240,20 @@ static satin_status build_thinlens(struct load_state *loader, const struct param
     return status;
 }
 
-#define SENSOR_PARTS (1u << XML_FILM | 1u << XML_SAMPLER)
+#define SENSOR_CHILDREN (1u << XML_FILM | 1u << XML_SAMPLER)
 
 const struct plugin_spec load_sensor_plugins[] = {
-    {XML_SENSOR, "perspective", "a pinhole camera", perspective_params, SENSOR_PARTS,
+    {XML_SENSOR, "perspective", "a pinhole camera", perspective_params, SENSOR_CHILDREN,
      build_perspective, false},
-    {XML_SENSOR, "thinlens", "a camera with depth of field", thinlens_params, SENSOR_PARTS,
+    {XML_SENSOR, "thinlens", "a camera with depth of field", thinlens_params, SENSOR_CHILDREN,
      build_thinlens, false},
     {XML_SENSOR, "orthographic", "parallel rays; the film is 2 wide before to_world scales it",
-     orthographic_params, SENSOR_PARTS, build_orthographic, false},
+     orthographic_params, SENSOR_CHILDREN, build_orthographic, false},
     {0}};
 
 // Reads the only child of a tag, if there is one, to `object`.
-static satin_status read_part(struct load_state *loader, const struct params *parent,
-                              enum xml_tag tag, void *object, struct params *out) {
+static satin_status read_only_child(struct load_state *loader, const struct params *parent,
+                                    enum xml_tag tag, void *object, struct params *out) {
     struct xml_node *at = NULL, *node = params_child(&loader->xml, parent->node, tag, &at);
     out->node = NULL;
     if (!node) return SATIN_OK;
@@ -264,7 +264,7 @@ static satin_status read_part(struct load_state *loader, const struct params *pa
 }
 
 satin_status load_sensor(struct load_state *loader, struct xml_node *node) {
-    struct params sensor, part, filter;
+    struct params sensor, child, filter;
     struct camera camera = {0};
     struct film_spec film = {.width = 768,
                              .height = 576,
@@ -274,10 +274,10 @@ satin_status load_sensor(struct load_state *loader, struct xml_node *node) {
                              .radius = 2.0f,
                              .stddev = 0.5f};
     satin_status status = load_params(loader, node, &sensor);
-    if (status == SATIN_OK) status = read_part(loader, &sensor, XML_SAMPLER, NULL, &part);
-    if (status == SATIN_OK) status = read_part(loader, &sensor, XML_FILM, &film, &part);
-    if (status == SATIN_OK && part.node)
-        status = read_part(loader, &part, XML_RFILTER, &film, &filter);
+    if (status == SATIN_OK) status = read_only_child(loader, &sensor, XML_SAMPLER, NULL, &child);
+    if (status == SATIN_OK) status = read_only_child(loader, &sensor, XML_FILM, &film, &child);
+    if (status == SATIN_OK && child.node)
+        status = read_only_child(loader, &child, XML_RFILTER, &film, &filter);
     if (status != SATIN_OK) return status;
     loader->scene->film = film;
     status = sensor.plugin->build(loader, &sensor, &camera);

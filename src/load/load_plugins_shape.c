@@ -248,25 +248,25 @@ static satin_status build_line(struct load_state *loader, const struct params *p
     return build_curves(loader, p, object, true);
 }
 
-#define SHAPE_PARTS (1u << XML_BSDF | 1u << XML_EMITTER)
+#define SHAPE_CHILDREN (1u << XML_BSDF | 1u << XML_EMITTER)
 
 const struct plugin_spec load_shape_plugins[] = {
-    {XML_SHAPE, "obj", "a Wavefront OBJ mesh", obj_params, SHAPE_PARTS, build_obj, false},
-    {XML_SHAPE, "ply", "a PLY mesh, text or binary", ply_params, SHAPE_PARTS, build_ply, false},
-    {XML_SHAPE, "serialized", "a mesh in Mitsuba's binary format", serialized_params, SHAPE_PARTS,
-     build_serialized, false},
-    {XML_SHAPE, "rectangle", "[-1, 1]^2 in the xy plane, facing +z", flat_params, SHAPE_PARTS,
+    {XML_SHAPE, "obj", "a Wavefront OBJ mesh", obj_params, SHAPE_CHILDREN, build_obj, false},
+    {XML_SHAPE, "ply", "a PLY mesh, text or binary", ply_params, SHAPE_CHILDREN, build_ply, false},
+    {XML_SHAPE, "serialized", "a mesh in Mitsuba's binary format", serialized_params,
+     SHAPE_CHILDREN, build_serialized, false},
+    {XML_SHAPE, "rectangle", "[-1, 1]^2 in the xy plane, facing +z", flat_params, SHAPE_CHILDREN,
      build_rectangle, false},
-    {XML_SHAPE, "cube", "[-1, 1]^3", flat_params, SHAPE_PARTS, build_cube, false},
+    {XML_SHAPE, "cube", "[-1, 1]^3", flat_params, SHAPE_CHILDREN, build_cube, false},
     {XML_SHAPE, "sphere", "a sphere, which to_world may not stretch or shear", sphere_params,
-     SHAPE_PARTS, build_sphere, false},
-    {XML_SHAPE, "disk", "the unit disk in the xy plane, facing +z", disk_params, SHAPE_PARTS,
+     SHAPE_CHILDREN, build_sphere, false},
+    {XML_SHAPE, "disk", "the unit disk in the xy plane, facing +z", disk_params, SHAPE_CHILDREN,
      build_disk, false},
-    {XML_SHAPE, "cylinder", "an open cylinder, facing outside", cylinder_params, SHAPE_PARTS,
+    {XML_SHAPE, "cylinder", "an open cylinder, facing outside", cylinder_params, SHAPE_CHILDREN,
      build_cylinder, false},
-    {XML_SHAPE, "bsplinecurve", "round tubes along cubic B-splines", curve_params, SHAPE_PARTS,
+    {XML_SHAPE, "bsplinecurve", "round tubes along cubic B-splines", curve_params, SHAPE_CHILDREN,
      build_spline, false},
-    {XML_SHAPE, "linearcurve", "round tubes along straight segments", curve_params, SHAPE_PARTS,
+    {XML_SHAPE, "linearcurve", "round tubes along straight segments", curve_params, SHAPE_CHILDREN,
      build_line, false},
     {0}};
 

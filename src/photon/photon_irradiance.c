@@ -342,14 +342,14 @@ static bool is_before_fade(const struct photon_irradiance *r, int row, vec3 p) {
 
 // The fraction of an entry's light, by colour, whose photons may bounce `bounces` times more.
 static rgb fraction_within(const struct photon_irradiance *r, int row, int bounces) {
-    rgb part = rgb_grey(1.0f);
-    if (!r->last || row < 0) return part;
+    rgb fraction = rgb_grey(1.0f);
+    if (!r->last || row < 0) return fraction;
     const rgb E = r->E[row], last = r->last[row];
     for (int i = 0; i < bounces; i++)
-        part = rgb_make(E.r > 0.0f ? part.r * fmaxf(1.0f - last.r / E.r, 0.0f) : 0.0f,
-                        E.g > 0.0f ? part.g * fmaxf(1.0f - last.g / E.g, 0.0f) : 0.0f,
-                        E.b > 0.0f ? part.b * fmaxf(1.0f - last.b / E.b, 0.0f) : 0.0f);
-    return part;
+        fraction = rgb_make(E.r > 0.0f ? fraction.r * fmaxf(1.0f - last.r / E.r, 0.0f) : 0.0f,
+                            E.g > 0.0f ? fraction.g * fmaxf(1.0f - last.g / E.g, 0.0f) : 0.0f,
+                            E.b > 0.0f ? fraction.b * fmaxf(1.0f - last.b / E.b, 0.0f) : 0.0f);
+    return fraction;
 }
 
 static void look_up_photons(const struct photon_irradiance *r, const struct satin_scene *scene,

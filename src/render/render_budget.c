@@ -170,7 +170,9 @@ static double image_seconds(const struct render *r) {
 // ---- Limits of loops ----------------------------------------------------------------------------
 
 // INFINITY if there is no time limit, as is any fraction of it.
-void render_limit_pilot(struct render *r) { r->progress.deadline = PILOT_UNTIL * time_limit(r); }
+void render_limit_photon_pilot(struct render *r) {
+    r->progress.deadline = PILOT_UNTIL * time_limit(r);
+}
 void render_limit_tables(struct render *r) { r->progress.deadline = TABLES_UNTIL * time_limit(r); }
 
 void render_limit_bounces(struct render *r, double start, double done) {

@@ -30,10 +30,10 @@ double render_elapsed(const struct render *r);
 // The seconds that remain of options.time.
 double render_time_left(const struct render *r);
 
-// The pilot (render_pilot.c): the largest number of its pixels along a side of the image, and of
-// the samples of each. This number of pixels shows V within 5 % and q within .2 % from seed to seed
-// (cornell-glossy and indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04 core
-// seconds in either scene. adaptive_compare needs at least two halves of two samples.
+// The pilot (render_image_pilot.c): the largest number of its pixels along a side of the image, and
+// of the samples of each. This number of pixels shows V within 5 % and q within .2 % from seed to
+// seed (cornell-glossy and indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04
+// core seconds in either scene. adaptive_compare needs at least two halves of two samples.
 enum { RENDER_PILOT_SIDE = 64, RENDER_PILOT_SAMPLES = 4 };
 // Measurements of the pilot.
 struct render_pace {
@@ -44,8 +44,8 @@ struct render_pace {
 
 // ---- Limits. Each holds for the loops that follow, until the next one or render_limit_end.
 
-void render_limit_pilot(struct render *r);   // a sixteenth of the photons
-void render_limit_tables(struct render *r);  // BRDFs in harmonics
+void render_limit_photon_pilot(struct render *r);  // a sixteenth of the photons
+void render_limit_tables(struct render *r);        // BRDFs in harmonics
 // Records of further indirect bounces, which began at `start` [s since the render began], up to the
 // fraction `done` of them.
 void render_limit_bounces(struct render *r, double start, double done);

@@ -83,7 +83,7 @@ static bool can_trace_paths(const struct render *r) {
 
 // Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
-    if (can_trace_paths(r)) render_limit_pilot(r);
+    if (can_trace_paths(r)) render_limit_photon_pilot(r);
     const satin_status status = build(r, fraction, 1.0);
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);

@@ -8,8 +8,8 @@
 
 enum { BLOCK_PIXELS = 65536 };  // pixels whose sites are in memory at a time
 
-// The state of filling.
-struct filling {
+// The state of record_rounds.
+struct record_rounds {
     struct render *r;
     struct render_covering covering;
     struct render_sites sites;
@@ -22,9 +22,9 @@ static double count_records(const struct render *r) {
 
 // Fills all levels at `widen` times a; the loops are the range [done, done + span] of the stage. If
 // `covering`, the numbers of rays are chosen so that the image is covered in time.
-static satin_status fill_levels(struct filling *f, struct render_widths widen, bool covering,
-                                double done, double span) {
-    struct render *r = f->r;
+static satin_status fill_levels(struct record_rounds *rounds, struct render_widths widen,
+                                bool covering, double done, double span) {
+    struct render *r = rounds->r;
     struct fill *fill = r->second_pass.fill;
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     satin_status status = SATIN_OK;
@@ -33,17 +33,17 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
          level++, stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
         render_stage_range(r, done + span * level / RENDER_LEVELS, span / RENDER_LEVELS);
-        status = fill_limit_rays(fill, render_budget_rays(&r->options, &f->covering, stride));
+        status = fill_limit_rays(fill, render_budget_rays(&r->options, &rounds->covering, stride));
         size_t count;
         uint32_t *pixel = render_grid(r, stride, level > 0, &count);
         if (!pixel) status = SATIN_ERROR_MEMORY;
         for (size_t i = 0; i < count && status == SATIN_OK; i += BLOCK_PIXELS) {
             const size_t block = count - i < BLOCK_PIXELS ? count - i : BLOCK_PIXELS;
-            status = render_find_sites(r, pixel + i, block, false, &f->sites);
+            status = render_find_sites(r, pixel + i, block, false, &rounds->sites);
             for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
                  kind++) {
-                const struct fill_sites sites = {.site = f->sites.site,
-                                                 .count = f->sites.count,
+                const struct fill_sites sites = {.site = rounds->sites.site,
+                                                 .count = rounds->sites.count,
                                                  .a = a[kind] * widen.of[kind],
                                                  .widest = render_budget_widest(&r->options),
                                                  .spacing = 1.5f * (float)stride};
@@ -52,9 +52,9 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
         }
         free(pixel);
         if (!covering) continue;
-        render_budget_level(&r->options, &f->covering, stride, count_records(r) - before,
+        render_budget_level(&r->options, &rounds->covering, stride, count_records(r) - before,
                             stats_wall() - start, render_budget_first_round(r));
-        if (render_budget_without_records(&r->options, &f->covering, stride))
+        if (render_budget_without_records(&r->options, &rounds->covering, stride))
             render_take_course(r, COURSE_WITHOUT_RECORDS);
     }
     return status;
@@ -68,26 +68,26 @@ static void read_at(struct render *r, float irradiance, float radiance) {
 
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy of a
 // finished round.
-static satin_status fill_timed(struct filling *f) {
-    struct render *r = f->r;
+static satin_status fill_timed(struct record_rounds *rounds) {
+    struct render *r = rounds->r;
     satin_status status = SATIN_OK;
     struct render_widths finished = render_budget_round(&r->options, 0);
-    const int rounds = render_budget_rounds(&r->options);
+    const int count = render_budget_rounds(&r->options);
     render_limit_records(r, NULL);
     read_at(r, finished.of[CACHE_IRRADIANCE], finished.of[CACHE_RADIANCE]);
     double start = stats_wall();
-    for (int i = 0; i < rounds && status == SATIN_OK; i++) {
+    for (int i = 0; i < count && status == SATIN_OK; i++) {
         const struct render_widths widen = render_budget_round(&r->options, i);
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
             fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(widen.of[k]));
-        status = fill_levels(f, widen, i == 0, (double)i / rounds, 1.0 / rounds);
+        status = fill_levels(rounds, widen, i == 0, (double)i / count, 1.0 / count);
         if (!render_steps(r)->records || !render_time_remains(r)) break;
         finished = widen;
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
                                            fmax(stats_wall() - start, 1e-9)};
-        status = render_pilot(r, &pace);
+        status = render_image_pilot(r, &pace);
         if (status == SATIN_OK) render_limit_records(r, &pace);
     }
     status = render_limit_end(r, status);
@@ -98,14 +98,14 @@ static satin_status fill_timed(struct filling *f) {
 }
 
 satin_status render_records(struct render *r) {
-    struct filling f = {.r = r, .covering = {.rays = RENDER_COARSEST}};
+    struct record_rounds rounds = {.r = r, .covering = {.rays = RENDER_COARSEST}};
     const bool timed = r->options.time > 0.0;
     bool whole;
     render_stage_begin(r, STAGE_RECORDS, 0.0);
     satin_status status = render_cache_load(r, &whole);
-    if (status == SATIN_OK && !whole && timed) status = fill_timed(&f);
+    if (status == SATIN_OK && !whole && timed) status = fill_timed(&rounds);
     if (status == SATIN_OK && !whole && !timed)
-        status = fill_levels(&f, (struct render_widths){{1.0f, 1.0f}}, false, 0.0, 1.0);
+        status = fill_levels(&rounds, (struct render_widths){{1.0f, 1.0f}}, false, 0.0, 1.0);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
@@ -113,7 +113,7 @@ satin_status render_records(struct render *r) {
         r->second_pass.shade.records.cache = NULL;
         stats_set(&r->stats, "records.abandoned", 1.0);
     }
-    render_sites_free(&f.sites);
+    render_sites_free(&rounds.sites);
     fill_statistics(r->second_pass.fill, &r->stats);
     return status;
 }

@@ -150,10 +150,10 @@ satin_status render_direct(struct render *r);
 satin_status render_bounces(struct render *r);
 void render_bounces_free(struct render *r);
 
-// ---- render_pilot.c
+// ---- render_image_pilot.c
 // Samples a few pixels with the records so far; sets all members of *pace except its rays.
 // SATIN_CANCELLED if it was stopped early.
-satin_status render_pilot(struct render *r, struct render_pace *pace);
+satin_status render_image_pilot(struct render *r, struct render_pace *pace);
 
 // ---- render_cache.c: files of records
 // Reads the caller's file of records, if there is one, and refuses it if it does not fit.

@@ -44,7 +44,7 @@ INLINE void convert_rows(int block, const float *f, const ptrdiff_t strides[2], 
 
 // Converts the low or the high rows: `factor` has eight numbers per (output, input), at the given
 // strides.
-INLINE void convert_part(const float *factor, const ptrdiff_t strides[2], int base,
+INLINE void convert_half(const float *factor, const ptrdiff_t strides[2], int base,
                          const int bands[2], const float *in, float *out) {
     lanes row[RSH_MAX_ORDER];
     for (int i = base; i < bands[1]; i++) row[i] = load_row(in + i * (i + 1), i, base);
@@ -61,9 +61,9 @@ void GLUE(rsh_convert_, RSH_NAME)(const struct rsh_rows *rows, bool transposed, 
     const int low = 8 * rows->inputs, high = 8 * (rows->inputs - 8);
     const ptrdiff_t of_low[2] = {transposed ? 8 : low, transposed ? low : 8};
     const ptrdiff_t of_high[2] = {transposed ? 8 : high, transposed ? high : 8};
-    convert_part(rows->low, of_low, 0, bands, in, out);
+    convert_half(rows->low, of_low, 0, bands, in, out);
     if (bands[0] > 8 && bands[1] > 8) {
-        convert_part(rows->high, of_high, 8, bands, in, out);
+        convert_half(rows->high, of_high, 8, bands, in, out);
         return;
     }
     for (int l = 8; l < bands[0]; l++)

@@ -25,7 +25,7 @@ struct many_job {
 };
 
 // A vector of records with up to BLOCK `channels`; its coefficients are `stride` apart.
-struct channel_part {
+struct channel_block {
     int channels;
     size_t stride;
     const float *in;
@@ -33,7 +33,7 @@ struct channel_part {
 };
 
 static void rotate_many_through_sphere(const struct many_job *j, const struct rsh_rotations *t,
-                                       const struct channel_part *p) {
+                                       const struct channel_block *p) {
     float sphere[SCRATCH];
     const struct rsh_kernels *k = j->kernels;
     int larger = rsh_sphere_order(j->order);
@@ -52,7 +52,7 @@ static void rotate_many_through_sphere(const struct many_job *j, const struct rs
 }
 
 static void rotate_exactly(const struct many_job *j, const struct rsh_rotations *t,
-                           const struct channel_part *p) {
+                           const struct channel_block *p) {
     if (j->basis == RSH_HEMISPHERE)
         rotate_many_through_sphere(j, t, p);
     else
@@ -61,13 +61,13 @@ static void rotate_exactly(const struct many_job *j, const struct rsh_rotations 
 
 // Computes both forms and selects for each record the one that its angle requires.
 static void rotate_mixed(const struct many_job *j, const struct rsh_rotations rotations[2],
-                         const bool *fast, const struct channel_part *p) {
+                         const bool *fast, const struct channel_block *p) {
     float exact[SCRATCH];
     size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order * p->channels);
     float padded[SCRATCH];
     for (size_t k = 0; k < n; k++)
         memcpy(padded + k * width, p->in + k * p->stride, width * sizeof *padded);
-    rotate_exactly(j, &rotations[0], &(struct channel_part){p->channels, width, padded, exact});
+    rotate_exactly(j, &rotations[0], &(struct channel_block){p->channels, width, padded, exact});
     j->kernels->rotate_many(&rotations[1], j->order, p->channels, width, padded, padded);
     for (size_t k = 0; k < n; k++)
         for (size_t i = 0; i < width; i++)
@@ -90,8 +90,8 @@ static void rotate_vector(const struct many_job *j, const float r[9][RSH_MAX_WID
     }
     size_t n = (size_t)(j->order * j->order) * stride;
     for (int c = 0; c < j->channels; c += BLOCK, in += BLOCK * n, out += BLOCK * n) {
-        const struct channel_part p = {j->channels - c < BLOCK ? j->channels - c : BLOCK, stride,
-                                       in, out};
+        const struct channel_block p = {j->channels - c < BLOCK ? j->channels - c : BLOCK, stride,
+                                        in, out};
         if (count == 0)
             rotate_exactly(j, &rotations[0], &p);
         else if (count == width)

@@ -14,11 +14,11 @@
 #include "rsh/rsh_tables.h"
 
 // Vectors of samples per pass over the sums; cosine and sine; channels.
-enum { RUN = 4, PARTS = 2, MOST = 3 };
+enum { RUN = 4, PHASES = 2, MOST = 3 };
 // Up to order ONE_SET all m have one set of functions; larger orders use the second set from m =
 // SECOND on.
 enum { ONE_SET = 10, SECOND = 3 };
-// The stride of the sums of one k and m: PARTS * MOST, and two unused.
+// The stride of the sums of one k and m: PHASES * MOST, and two unused.
 enum { SPACE = 8 };
 typedef float sextet __attribute__((vector_size(4 * SPACE)));
 
@@ -66,7 +66,7 @@ INLINE vf *add_zonal(int channels, vf g[MOST][RUN], vf *sum) {
 // Adds g times cosine and sine to the sums of one m. The run is added up before it is added to the
 // sums, because these adders work at the same time as the products.
 INLINE vf *add_phase(int channels, const struct phases *t, vf g[MOST][RUN], vf *sum) {
-    vf total[MOST][PARTS];
+    vf total[MOST][PHASES];
     for (int i = 0; i < RUN; i++) {
         vf c = t->c[i], s = t->s[i];
         RSH_KEEP(c);
@@ -76,8 +76,8 @@ INLINE vf *add_phase(int channels, const struct phases *t, vf g[MOST][RUN], vf *
             total[a][1] = i ? total[a][1] + g[a][i] * s : g[a][i] * s;
         }
     }
-    for (int p = 0; p < PARTS * channels; p++) sum[p] += total[p / PARTS][p % PARTS];
-    return sum + PARTS * channels;
+    for (int p = 0; p < PHASES * channels; p++) sum[p] += total[p / PHASES][p % PHASES];
+    return sum + PHASES * channels;
 }
 
 // Computes (x + i y)^m from smaller powers.
@@ -127,10 +127,10 @@ INLINE const float *mix_set(float scale, int order, int channels, int set, int f
     for (int k = 0; k < order - first; k++) {
         const int last = end < order - k ? end : order - k;
         row[k] = sum;
-        sum += channels * (PARTS * (last - first) - (first == 0));
+        sum += channels * (PHASES * (last - first) - (first == 0));
     }
     for (int m = first; m < end; m++) {
-        const int at = m ? channels * (PARTS * (m - first) - (first == 0)) : 0;
+        const int at = m ? channels * (PHASES * (m - first) - (first == 0)) : 0;
         for (int k = 0; k < order - m; k++) {
             const float *mix = rsh_mix[set][m][k];
             sextet total = {0};
@@ -141,8 +141,8 @@ INLINE const float *mix_set(float scale, int order, int channels, int set, int f
             }
             float *to = out + (m + k) * (m + k + 1);
             for (int a = 0; a < channels; a++, to += order * order) {
-                to[m] += total[m ? PARTS * a : a];
-                if (m) to[-m] += total[PARTS * a + 1];
+                to[m] += total[m ? PHASES * a : a];
+                if (m) to[-m] += total[PHASES * a + 1];
             }
         }
     }

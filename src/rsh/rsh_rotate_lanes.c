@@ -50,7 +50,7 @@ INLINE struct multiple_angle multiples(float c1, float s1, bool wide) {
 }
 
 // Rotates about z.
-INLINE void rotate_parts(struct multiple_angle t, lanes *even, lanes *odd) {
+INLINE void rotate_z(struct multiple_angle t, lanes *even, lanes *odd) {
     lanes a = *even, b = *odd;
     *even = lanes_nmad(t.sine, b, lanes_mul(t.cosine, a));
     *odd = lanes_mad(t.sine, a, lanes_mul(t.cosine, b));
@@ -89,10 +89,11 @@ INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span
 
 // D, the derivative of the rotation about y: the contribution of `other` to the even (0) or odd (1)
 // component.
-INLINE lanes lane_derivative(const struct rsh_lane_group *g, int part, lanes other) {
+INLINE lanes lane_derivative(const struct rsh_lane_group *g, int component, lanes other) {
     lanes down =
-        lanes_mul(lanes_across(other, indices_load(g->down)), lanes_load(g->from_down[part]));
-    return lanes_mad(lanes_across(other, indices_load(g->up)), lanes_load(g->from_up[part]), down);
+        lanes_mul(lanes_across(other, indices_load(g->down)), lanes_load(g->from_down[component]));
+    return lanes_mad(lanes_across(other, indices_load(g->up)), lanes_load(g->from_up[component]),
+                     down);
 }
 
 // Rotates about y by the series.
@@ -137,19 +138,19 @@ INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
         struct lanes_source source = lanes_source(in + c * n, count);
         even[c] = lanes_gather(source, indices_load(g->even));
         odd[c] = lanes_gather(source, indices_load(g->odd));
-        rotate_parts(gamma, &even[c], &odd[c]);
+        rotate_z(gamma, &even[c], &odd[c]);
     }
     if (t->method == RSH_METHOD_EXACT) {
         struct multiple_angle beta = lane_multiples(g, 1, angles->beta);
         exchange_lanes(g, span, 0, block, even, odd);
-        for (int c = 0; c < block; c++) rotate_parts(beta, &even[c], &odd[c]);
+        for (int c = 0; c < block; c++) rotate_z(beta, &even[c], &odd[c]);
         exchange_lanes(g, span, 1, block, even, odd);
     } else if (t->method != RSH_METHOD_Z) {
         for (int c = 0; c < block; c++) rotate_lane_series(g, t, &even[c], &odd[c]);
     }
     if (t->method != RSH_METHOD_Z) {
         struct multiple_angle alpha = lane_multiples(g, 0, angles->alpha);
-        for (int c = 0; c < block; c++) rotate_parts(alpha, &even[c], &odd[c]);
+        for (int c = 0; c < block; c++) rotate_z(alpha, &even[c], &odd[c]);
     }
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }

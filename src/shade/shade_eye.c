@@ -12,7 +12,7 @@ enum {
 // Branches with a throughput below this undergo Russian roulette.
 static const float SPLIT_LEAST = 0.02f;
 
-struct branch {
+struct eye_path {
     struct ray ray;
     rgb T;
     float distance;
@@ -43,20 +43,20 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
     return camera_ray(scene, out->film.x, out->film.y, lens.x, lens.y, &out->spread);
 }
 
-static void add_emission(const struct shade *shade, const struct branch *b,
+static void add_emission(const struct shade *shade, const struct eye_path *path,
                          const struct interaction *s, struct shade_eye *out) {
     const satin_options *o = shade->g->options;
-    if (o->max_depth == 0 || (b->depth == 0 && o->hide_emitters > 0)) return;
-    out->emission = rgb_fma(out->emission, b->T, light_at_hit(shade->g->scene, s, b->ray.d));
+    if (o->max_depth == 0 || (path->depth == 0 && o->hide_emitters > 0)) return;
+    out->emission = rgb_fma(out->emission, path->T, light_at_hit(shade->g->scene, s, path->ray.d));
 }
 
 // Pushes the rays that leave an ideal specular surface. Returns the new height of the stack.
-static int push_specular(const struct shade *shade, const struct branch *b,
+static int push_specular(const struct shade *shade, const struct eye_path *path,
                          const struct shading_point *p, struct sampler *sampler,
-                         struct branch *stack, int top) {
+                         struct eye_path *stack, int top) {
     struct brdf_sample lobe[2];
     int lobes = brdf_delta(&p->brdf, p->wo_l, BRDF_RADIANCE, lobe);
-    bool split = b->splits < SPLIT_DEPTH && top + lobes <= SHADE_VERTICES;
+    bool split = path->splits < SPLIT_DEPTH && top + lobes <= SHADE_VERTICES;
     if (lobes > 1 && !split) {
         float total = lobe[0].probability + lobe[1].probability;
         float first = total > 0.0f ? lobe[0].probability / total : 0.5f;
@@ -67,7 +67,7 @@ static int push_specular(const struct shade *shade, const struct branch *b,
         lobes = 1;
     }
     for (int i = 0; i < lobes; i++) {
-        rgb T = rgb_mul(b->T, lobe[i].weight);
+        rgb T = rgb_mul(path->T, lobe[i].weight);
         float throughput = rgb_max(T);
         if (!(throughput > 0.0f)) continue;
         if (throughput < SPLIT_LEAST) {
@@ -75,9 +75,9 @@ static int push_specular(const struct shade *shade, const struct branch *b,
             T = rgb_scale(T, SPLIT_LEAST / throughput);
         }
         vec3 d = frame_to_world(&p->frame, lobe[i].wi);
-        stack[top++] =
-            (struct branch){scene_spawn(shade->g->scene, p->interaction.p, p->interaction.ng, d), T,
-                            b->distance + p->interaction.t, b->depth + 1, b->splits + (lobes > 1)};
+        stack[top++] = (struct eye_path){
+            scene_spawn(shade->g->scene, p->interaction.p, p->interaction.ng, d), T,
+            path->distance + p->interaction.t, path->depth + 1, path->splits + (lobes > 1)};
     }
     return top;
 }
@@ -96,38 +96,38 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
                      struct shade_eye *out) {
     const struct satin_scene *scene = shade->g->scene;
     const int max_depth = shade->g->options->max_depth;
-    struct branch stack[SHADE_VERTICES + 2];
+    struct eye_path stack[SHADE_VERTICES + 2];
     struct ray ray = shade_eye_ray(shade, x, y, sampler, &out->camera);
     const float spread = out->camera.spread;
-    stack[0] = (struct branch){ray, rgb_grey(1.0f), 0.0f, 0, 0};
+    stack[0] = (struct eye_path){ray, rgb_grey(1.0f), 0.0f, 0, 0};
     out->count = 0;
     out->hit = false;
     out->emission = rgb_grey(0.0f);
     for (int top = 1; top > 0;) {
-        struct branch b = stack[--top];
+        struct eye_path path = stack[--top];
         struct interaction s;
-        bool hit = scene_intersect(scene, &b.ray, &s);
-        add_emission(shade, &b, hit ? &s : NULL, out);
+        bool hit = scene_intersect(scene, &path.ray, &s);
+        add_emission(shade, &path, hit ? &s : NULL, out);
         if (!hit) continue;
-        s.footprint = shade->sharpness * spread * (b.distance + s.t);
+        s.footprint = shade->sharpness * spread * (path.distance + s.t);
         struct scene_component component[MATERIAL_COMPONENTS_MAX];
         const struct material_side *shown =
-            b.depth == 0 ? scene_component(scene, &s, v3_neg(b.ray.d)) : NULL;
-        int components = find_components(scene, &s, b.ray.d, out->count + top, component);
+            path.depth == 0 ? scene_component(scene, &s, v3_neg(path.ray.d)) : NULL;
+        int components = find_components(scene, &s, path.ray.d, out->count + top, component);
         for (int i = 0; i < components; i++) {
             struct shading_point point;
-            struct branch own = b;
-            own.T = rgb_scale(b.T, component[i].weight);
-            shading_point_of(scene, component[i].side, &s, b.ray.d, &point);
+            struct eye_path own = path;
+            own.T = rgb_scale(path.T, component[i].weight);
+            shading_point_of(scene, component[i].side, &s, path.ray.d, &point);
             if (component[i].side == shown) {
                 out->hit = true;
                 out->first = point;
             }
-            if (max_depth >= 0 && b.depth + 1 >= max_depth) continue;
+            if (max_depth >= 0 && path.depth + 1 >= max_depth) continue;
             if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
                 out->vertex[out->count++] =
-                    (struct shade_vertex){point, own.T, spread * (b.distance + s.t)};
-            if ((point.lobes & BRDF_DELTA) && b.depth < EYE_DEPTH)
+                    (struct shade_vertex){point, own.T, spread * (path.distance + s.t)};
+            if ((point.lobes & BRDF_DELTA) && path.depth < EYE_DEPTH)
                 top = push_specular(shade, &own, &point, sampler, stack, top);
         }
     }

@@ -22,7 +22,7 @@ static void add_glossy(const struct shade *shade, const struct shading_point *p,
     if (!glossy->table) return;
     glossy->brdf = p->brdf;
     glossy->brdf.specular = rgb_grey(1.0f);
-    glossy->name = cache_lobe_number(p);
+    glossy->lobe_number = cache_lobe_number(p);
     glossy->wo = base_wo(p);
 }
 

@@ -109,7 +109,7 @@ struct drawn_rays {
     float pdf[SATIN_GLOSSY_SAMPLES_MAX];
 };
 
-// The part of a sample's weight that is the diffuse lobe's.
+// The fraction of a sample's weight that is the diffuse lobe's.
 static rgb diffuse_weight(const struct shading_point *p, const struct brdf_sample *b,
                           unsigned lobes) {
     if (!(lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
@@ -170,14 +170,14 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
     rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
         const struct gather_ray *ray = &drawn.ray[i];
-        const rgb weight = drawn.weight[i], part = drawn.diffuse[i];
+        const rgb weight = drawn.weight[i], of_diffuse = drawn.diffuse[i];
         if (ray->light_pdf > 0.0f)
             direct =
                 rgb_fma(direct, weight,
                         rgb_scale(ray->Le, mis_power(by->ratio * drawn.pdf[i], ray->light_pdf)));
         caustic = rgb_fma(caustic, weight, ray->Le_specular);
-        diffuse = rgb_fma(diffuse, part, ray->L);
-        glossy = rgb_fma(glossy, rgb_sub(weight, part), ray->L);
+        diffuse = rgb_fma(diffuse, of_diffuse, ray->L);
+        glossy = rgb_fma(glossy, rgb_sub(weight, of_diffuse), ray->L);
     }
     const float each = 1.0f / (float)by->count;
     if (by->lobes & BRDF_DIFFUSE)

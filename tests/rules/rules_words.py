@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Keeps retired words out of names, comments, messages and docs, so that one thing has one name,
-the field's; keeps six words to the one meaning that docs/glossary.md gives them, in tests and bench
-too; and keeps that page true.
+the field's; keeps eight words to the one meaning that docs/glossary.md gives them, in tests and
+bench too; and keeps that page true.
 
 Usage: rules_words.py TREE
 
@@ -94,6 +94,12 @@ IDENTIFIERS = {
                      r"|render/(?:options|render_cache)|scene/scene_hints)",
         "place": r"src/(?:base/(?:fileio|log)|load/|render/options|scene/scene_hints)",
         "current_place": "src/load/load_xml"}),
+    "Part": ("parts?", {
+        r"parallel_(?:begin_)?parts?|stats_set_parts|PARALLEL_PARTS|set_part": "src/",
+        "parts?": "src/(?:base/(?:parallel|stats)|fill/|photon/|render/|film/film_exr_write)",
+        "exr_add_part": "src/film/film_exr_write"}),
+    "Branch": ("branch(?:es)?", {
+        "branch|path_branch|follow_branch": "src/gather/gather_bounces"}),
     "Room": ("rooms?", {}),
     "Seen": ("seen", {
         "seen": r"src/(?:guide/guide(?:_view)?\.|photon/photon_maps|render/render_film"
@@ -124,7 +130,8 @@ RETIRED_IDENTIFIERS = [
 # Outside, where the identifiers of src may stand in any C file, also these. A room is a scene
 # there.
 TEST_IDENTIFIERS = {
-    "Place": r"after_place", "Room": r"\w*(?i:room)\w*",
+    "Place": r"after_place", "Part": r"\w*(?i:part)s?\w*",
+    "Branch": r"\w*(?i:branch)\w*", "Room": r"\w*(?i:room)\w*",
     "Seen": "seen_directly", "Level": "after_level|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
     "Guide": r"test_guide_\w+", "Shared": "MAP_SHARED|oidnSetSharedFilterImage|shared"}
 # Folders of code outside of src and include.

@@ -11,7 +11,7 @@
 #include "cache/cache_value.h"
 #include "fill_case.h"
 
-enum { ORDER = 4, RAYS = 900, NAME = 7 };
+enum { ORDER = 4, RAYS = 900, LOBE_NUMBER = 7 };
 
 static const vec3 WO = {0.6f, 0.0f, 0.8f};
 
@@ -40,7 +40,7 @@ static void fill_residual_start(struct fill_residual_fixture *f, bool viewed) {
     fill_case_finish(c, ORDER, 1, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
                      (struct fill_site){.pixel = 0.01f, .kinds = 1 << CACHE_RADIANCE});
     assert_int_equal(brdf_range_build(&brdf, NULL, &fit, c->pool, &f->range), SATIN_OK);
-    if (viewed) c->site[0].glossy = (struct fill_glossy){shiny(), f->range, 1, NAME, WO};
+    if (viewed) c->site[0].glossy = (struct fill_glossy){shiny(), f->range, 1, LOBE_NUMBER, WO};
     struct fill_sites sites = {
         .site = c->site, .count = 1, .a = 0.5f, .widest = 1.0f, .spacing = 1.0f};
     assert_int_equal(fill_records(c->fill, CACHE_RADIANCE, &sites), SATIN_OK);
@@ -57,7 +57,7 @@ static rgb fill_residual_reflected(const struct fill_residual_fixture *f) {
     const struct fill_site *s = &f->c.site[0];
     const struct brdf brdf = shiny();
     float C[3 * RSH_MAX_COEFFICIENTS];
-    struct cache_lobe lobe = {.C = C, .channels = 1, .name = NAME};
+    struct cache_lobe lobe = {.C = C, .channels = 1, .number = LOBE_NUMBER};
     lobe.order = brdf_range_lookup(f->range, &brdf, WO, C);
     lobe.mirror = frame_to_world(&s->frame, v3(-WO.x, -WO.y, WO.z));
     const struct cache_lookup at = {s->p, s->frame.n, s->frame, 0.0f, 0.0f};
@@ -102,8 +102,8 @@ static void a_record_reflects_what_its_rays_reflect(void **state) {
 
 static void the_residual_of_other_lobes_is_smaller(void **state) {
     (void)state;
-    const struct cache_residual residual = {NAME, {0, 0, 1}, {1.0f, -2.0f, 3.0f}};
-    struct cache_lobe lobe = {.name = NAME, .mirror = {0, 0, 1}};
+    const struct cache_residual residual = {LOBE_NUMBER, {0, 0, 1}, {1.0f, -2.0f, 3.0f}};
+    struct cache_lobe lobe = {.number = LOBE_NUMBER, .mirror = {0, 0, 1}};
     float before = 2.0f;
     for (int i = 0; i < 10; i++) {
         const float angle = 0.02f * (float)i;
@@ -116,10 +116,10 @@ static void the_residual_of_other_lobes_is_smaller(void **state) {
     }
     assert_true(before == 0.0f);
     lobe.mirror = v3(0, 0, 1);
-    lobe.name = NAME + 1;
+    lobe.number = LOBE_NUMBER + 1;
     assert_true(rgb_black(cache_residual_read(&residual, &lobe)));
-    assert_true(rgb_black(
-        cache_residual_read(&(struct cache_residual){.name = 0}, &(struct cache_lobe){.name = 0})));
+    assert_true(rgb_black(cache_residual_read(&(struct cache_residual){.lobe_number = 0},
+                                              &(struct cache_lobe){.number = 0})));
 }
 
 int main(void) {

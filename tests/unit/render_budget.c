@@ -36,7 +36,7 @@ static double image_limit(struct render *r) {
 static void no_limit_ends_nothing(void **state) {
     (void)state;
     struct render r = render_budget_make(0.0);
-    render_limit_pilot(&r);
+    render_limit_photon_pilot(&r);
     assert_true(render_time_remains(&r));
     render_limit_tables(&r);
     assert_true(render_time_remains(&r));

@@ -72,7 +72,7 @@ static void pilot_destroy(struct image_pilot *pilot) {
     free(pilot->indirect);
 }
 
-satin_status render_pilot(struct render *r, struct render_pace *pace) {
+satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
     struct image_pilot pilot;
     const char *part = parallel_begin_part(r->pool, "pilot");
     if (!pilot_make(&pilot, r)) {
