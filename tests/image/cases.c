@@ -86,9 +86,12 @@ static void cases_say(void *user, satin_log_severity severity, const char *messa
 }
 
 // The scene's image in two passes; NULL if it fails, which is reported.
-static satin_film *cases_render(const struct folders *in, const char *name,
-                                const satin_define *defines, size_t define_count, uint64_t seed) {
-    static const satin_setting setting[] = {{"spp", "64"}, {"adaptive-sampling", "off"}};
+// `settings`: 2, or 3 to gather only where there is no record.
+static satin_film *cases_render_by(const struct folders *in, const char *name,
+                                   const satin_define *defines, size_t define_count, uint64_t seed,
+                                   size_t settings) {
+    static const satin_setting setting[] = {
+        {"spp", "64"}, {"adaptive-sampling", "off"}, {"gather-radius-ratio", "0"}};
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.xml", in->scenes, name);
     satin_scene *scene = NULL;
@@ -96,13 +99,18 @@ static satin_film *cases_render(const struct folders *in, const char *name,
     satin_options options;
     satin_callbacks callbacks = {.log = cases_say};
     if (satin_scene_load(path, defines, define_count, cases_say, NULL, &scene) == SATIN_OK &&
-        satin_options_resolve(scene, setting, 2, cases_say, NULL, &options) == SATIN_OK) {
+        satin_options_resolve(scene, setting, settings, cases_say, NULL, &options) == SATIN_OK) {
         options.width = options.height = SIZE;
         options.seed = seed;
         (void)satin_render(scene, &options, &callbacks, &film);
     }
     satin_scene_free(scene);
     return film;
+}
+
+static satin_film *cases_render(const struct folders *in, const char *name,
+                                const satin_define *defines, size_t define_count, uint64_t seed) {
+    return cases_render_by(in, name, defines, define_count, seed, 2);
 }
 
 // False if a render fails.
@@ -267,7 +275,7 @@ static bool run_bump(const struct folders *in) {
 // the diffuse lobe: almost no point is without a record.
 static bool run_steep(const struct folders *in) {
     static const satin_define steep[] = {{"filter", "box"}, {"waves", "0.5"}};
-    satin_film *film = cases_render(in, "bump", steep, 2, 0);
+    satin_film *film = cases_render_by(in, "bump", steep, 2, 0, 3);
     double fraction = stat_of(film, "image.gathered") / stat_of(film, "image.points");
     bool good = fraction <= 0.001;
     printf("%-14s %-20s %.4f %% of the points%s\n", "bump", "gathered on steep", 100.0 * fraction,
