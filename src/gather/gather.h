@@ -162,29 +162,34 @@ bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampl
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream);
 
-// ---- Single rays (gather_single.c)
-// ---------------------------------------------------------------
+// ---- Single rays (gather_single.c) --------------------------------------------------------------
 
-// The photon clusters around points of an image tile, to which single gather rays are guided: of a
-// few areas, each found where it is first asked for. The memory of one worker of a pool.
+// The photon clusters around points of an image tile, to which single gather rays are guided: those
+// of the last few points at which they were searched. The memory of one worker of a pool.
 struct gather_singles;
 struct gather_singles *gather_singles_new(void);           // NULL: no memory
 void gather_singles_free(struct gather_singles *singles);  // NULL is allowed
-// Forgets all areas, before the first point of a tile.
+// Forgets all of them, before the first point of a tile.
 void gather_singles_begin(struct gather_singles *singles);
-// The area around a point, where a pixel has the width `pixel`. It is valid until the next call.
-// Without option guide-clusters no rays are guided.
-struct gather_single;
-struct gather_single *gather_single_find(const struct gather *g, const struct shading_point *p,
-                                         float pixel, struct gather_singles *singles);
-// As brdf_sample for smooth lobes of a point of the area, but some samples are directions
-// to clusters. pdf_w is the density of the direction by both.
-bool gather_single_sample(const struct gather_single *area, const struct shading_point *p,
-                          unsigned lobes, float u_lobe, vec2 u, struct brdf_sample *out);
-// As gather_rays, for rays from the area: bounces from hits near it are guided too.
-void gather_single_rays(const struct gather *g, struct gather_scratch *scratch,
-                        struct gather_single *area, struct gather_ray *rays, size_t count,
-                        uint64_t stream);
+// The clusters around a point, where a pixel has the width `pixel`: those of a point near it that
+// has been asked for, or else they are searched now. Valid until the next call. Without option
+// guide-clusters there are none.
+struct gather_single_clusters;
+const struct gather_single_clusters *gather_single_find(const struct gather *g,
+                                                        const struct shading_point *p, float pixel,
+                                                        struct gather_singles *singles);
+// As brdf_sample for smooth lobes of the point, but some samples are directions to the clusters.
+// pdf_w is the density of the direction by both.
+bool gather_single_sample(const struct gather_single_clusters *clusters,
+                          const struct shading_point *p, unsigned lobes, float u_lobe, vec2 u,
+                          struct brdf_sample *out);
+// As gather_rays, for rays from the point: bounces from hits near it are guided too. The first such
+// hits decide to which clusters, for these and for all later ones; worker->singles, in which
+// `clusters` is, stores them.
+struct gather_worker;
+void gather_single_rays(const struct gather *g, const struct gather_worker *worker,
+                        const struct gather_single_clusters *clusters, struct gather_ray *rays,
+                        size_t count, uint64_t stream);
 
 // ---- Hemispheres (gather_hemisphere.c) ----------------------------------------------------------
 

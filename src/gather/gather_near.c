@@ -60,24 +60,27 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
     return matters ? fmaxf((float)clear / (float)matters, VISIBLE_LEAST) : 0.0f;
 }
 
-void gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
-                          struct gather_near *near) {
+bool gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
+                          const struct gather_near *near, struct gather_near *out) {
     size_t probe[GUIDE_PROBES];
-    if (near->kept || near->found == 0 || !g->options->gather_near) return;
-    near->count = 0;
+    const bool known = near->single && near->probed;
+    if (known || near->found == 0 || !g->options->gather_near) return false;
     const int probes = choose_probes(hits, count, probe);
-    if (probes == 0) return;
-    near->kept = near->keep;
-    if (near->found < 0)
-        near->found = guide_cones_around(g->clusters, near->p, near->expected, near->cone);
-    for (int c = 0; c < near->found; c++) {
-        const struct guide_cone cone = near->cone[c];
-        const float visible = probe_cone(g, hits, probe, probes, near->keep, cone);
+    if (probes == 0) return false;
+    if (out != near) *out = *near;
+    out->probed = true;
+    out->count = 0;
+    if (out->found < 0)
+        out->found = guide_cones_around(g->clusters, out->p, out->expected, out->cone);
+    for (int c = 0; c < out->found; c++) {
+        const struct guide_cone cone = out->cone[c];
+        const float visible = probe_cone(g, hits, probe, probes, out->single, cone);
         if (!(visible > 0.0f)) continue;
-        near->cone[c] = near->cone[near->count];
-        near->cone[near->count] = cone;
-        near->visible[near->count++] = visible;
+        out->cone[c] = out->cone[out->count];
+        out->cone[out->count] = cone;
+        out->visible[out->count++] = visible;
     }
+    return true;
 }
 
 // The cones from y.

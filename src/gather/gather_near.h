@@ -35,15 +35,17 @@ struct gather_near {
     float visible[GUIDE_CONES];  // fraction of the near hits from which it is visible, never 0
     int found;                   // number of cones around the site; negative: not searched yet
     int count;                   // number of those that contribute to the hits, first in `cone`
-    bool keep;  // for single rays: the clusters that matter to the first hits that are near are
-                // those of all further hits
-    bool kept;  // these have been found
+    bool single;                 // for single rays: the clusters that contribute to the first hits
+                                 // that are near are those of all further hits
+    bool probed;                 // whether `count` and `visible` are from hits
 };
 
-// Finds the clusters around the site that contribute to those of the first `count` hits that are
-// near it. E and radius of the hits must be known. Nothing changes if near->kept.
-void gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
-                          struct gather_near *near);
+// Finds the clusters around the site of `near` that contribute to those of the first `count` hits
+// that are near it, and sets *out, which may be `near` itself, to `near` with these. False if *out
+// is not set: no hit is near, or the clusters are those of earlier hits. E and radius of the hits
+// must be known.
+bool gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
+                          const struct gather_near *near, struct gather_near *out);
 
 // Draws a direction from which y, near the site, reflects light by its diffuse lobe: by the lobe
 // itself or to one of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y.
@@ -60,10 +62,10 @@ bool gather_near_sample(const struct gather_near *near, const struct shading_poi
 // irradiance by other light is `rest` (gather_single.c).
 bool gather_cluster_matters(const struct guide_cone *cone, float rest);
 
-// As gather_rays, with guided bounces from hits near the site of `near`. NULL: no bounces are
-// guided.
-void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
+// As gather_rays, with guided bounces from hits near the site of `near`; NULL: no bounces are
+// guided. Returns whether clusters were found by hits that are near, and sets *out to these.
+bool gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream,
-                        struct gather_near *near);
+                        const struct gather_near *near, struct gather_near *out);
 
 #endif

@@ -82,14 +82,17 @@ static int light_samples(float bright, float mean) {
     return bright > 1.5f * mean ? (int)(bright / mean + 0.5f) : 1;
 }
 
-// First passes `photons` and `precomputed`: computes the reflected radiance of the hits.
-static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
-                       struct gather_near *near) {
+// First passes `photons` and `precomputed`: computes the reflected radiance of the hits, of which
+// those near the site of `near` are guided to its clusters. Returns whether *out is set to those of
+// these hits (gather_near_clusters).
+static bool shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
+                       const struct gather_near *near, struct gather_near *out) {
     const float discs = near ? near->discs : GATHER_NEAR_DISCS;
     look_up_hits(g, hits, count);
     for (size_t i = 0; i < count; i++)
         hits->near[i] = gather_is_near(g, hits->hit[i].point.interaction.t, hits->radius[i], discs);
-    if (near) gather_near_clusters(g, hits, count, near);
+    const bool probed = near && gather_near_clusters(g, hits, count, near, out);
+    if (probed) near = out;
     const float mean = hit_weights(g, hits, count);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
@@ -102,6 +105,7 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
             gather_bounces(g, &hit->point, estimate, hits->near[i] ? near : NULL, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
     }
+    return probed;
 }
 
 // Whether the first segment of a ray is traced by itself. Path tracing from x traces it too, so it
@@ -149,17 +153,18 @@ static void clear_rays(struct gather_ray *rays, size_t count) {
     }
 }
 
-void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
+bool gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream,
-                        struct gather_near *near) {
+                        const struct gather_near *near, struct gather_near *out) {
     struct gather_hits *hits = &scratch->hits;
+    bool probed = false;
     const uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
     for (size_t begin = 0; begin < count; begin += GATHER_HITS_MOST) {
         const size_t end = count - begin > GATHER_HITS_MOST ? begin + GATHER_HITS_MOST : count;
         // A million rays would take seconds, so cancellation is checked.
         if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker)) {
             clear_rays(rays + begin, count - begin);
-            return;
+            break;
         }
         size_t found = 0;
         for (size_t i = begin; i < end; i++) {
@@ -174,11 +179,12 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                 gather_segment_trace(g, &start, &hit->sampler, &segment, &hit->point);
             found += store_segment(g, ray, seed, &segment, hits_surface, hit);
         }
-        shade_hits(g, hits, found, near);
+        if (shade_hits(g, hits, found, probed ? out : near, out)) probed = true;
     }
+    return probed;
 }
 
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream) {
-    gather_rays_guided(g, scratch, rays, count, stream, NULL);
+    gather_rays_guided(g, scratch, rays, count, stream, NULL, NULL);
 }

@@ -20,26 +20,26 @@ static const float SINGLE_VISIBLE_LEAST = 0.05f;
 // is small. What is visible differs little between them, and cones are moved to each point.
 static const float COMMON_PIXELS = 4.0f, COMMON_COSINE = 0.95f;
 
-// The clusters around a surface point: those that are visible from there, and those to which
-// bounces from near hits are guided.
-struct gather_single {
+// The clusters around a surface point with the normal n: those that are visible from there, and
+// those to which bounces from near hits are guided.
+struct gather_single_clusters {
     vec3 n;
     struct gather_near to, near;
 };
 
-enum { AREAS = 8 };  // areas that the samples of a row of pixels alternate between
+enum { FOUND_MOST = 8 };  // points that the samples of a row of pixels alternate between
 struct gather_singles {
     int count, next;
-    struct gather_single area[AREAS];
+    struct gather_single_clusters found[FOUND_MOST];
 };
 
 struct gather_singles *gather_singles_new(void) {
     return calloc(1, sizeof(struct gather_singles));
 }
 
-void gather_singles_free(struct gather_singles *areas) { free(areas); }
+void gather_singles_free(struct gather_singles *singles) { free(singles); }
 
-void gather_singles_begin(struct gather_singles *areas) { areas->count = areas->next = 0; }
+void gather_singles_begin(struct gather_singles *singles) { singles->count = singles->next = 0; }
 
 bool gather_cluster_matters(const struct guide_cone *cone, float rest) {
     return sqrf(cone->E) > VARIANCE_LEAST * cone->chance * sqrf(cone->E + rest);
@@ -57,16 +57,16 @@ static float visible_fraction(const struct gather *g, struct guide_cone cone,
 }
 
 static void find_clusters(const struct gather *g, const struct shading_point *p,
-                          struct gather_single *area) {
+                          struct gather_single_clusters *out) {
     const struct guide_point at = {p->interaction.p, p->frame.n, p->ng};
-    struct gather_near *to = &area->to, *near = &area->near;
-    area->n = at.n;
+    struct gather_near *to = &out->to, *near = &out->near;
+    out->n = at.n;
     to->count = near->found = near->count = 0;
     near->discs = GATHER_NEAR_DISCS;
     near->p = at.p;
     near->expected = 0.0f;
-    near->keep = true;
-    near->kept = false;
+    near->single = true;
+    near->probed = false;
     if (!g->options->guide_clusters || !g->clusters) return;
     float radius;
     near->expected =
@@ -80,28 +80,33 @@ static void find_clusters(const struct gather *g, const struct shading_point *p,
     }
 }
 
-struct gather_single *gather_single_find(const struct gather *g, const struct shading_point *p,
-                                         float pixel, struct gather_singles *areas) {
-    for (int i = 0; i < areas->count; i++) {
-        struct gather_single *area = &areas->area[i];
-        if (v3_dot(area->n, p->frame.n) > COMMON_COSINE &&
-            v3_dist2(area->near.p, p->interaction.p) < sqrf(COMMON_PIXELS * pixel))
-            return area;
+const struct gather_single_clusters *gather_single_find(const struct gather *g,
+                                                        const struct shading_point *p, float pixel,
+                                                        struct gather_singles *singles) {
+    for (int i = 0; i < singles->count; i++) {
+        const struct gather_single_clusters *clusters = &singles->found[i];
+        if (v3_dot(clusters->n, p->frame.n) > COMMON_COSINE &&
+            v3_dist2(clusters->near.p, p->interaction.p) < sqrf(COMMON_PIXELS * pixel))
+            return clusters;
     }
-    struct gather_single *area = &areas->area[areas->next];
-    areas->next = (areas->next + 1) % AREAS;
-    if (areas->count < AREAS) areas->count++;
-    find_clusters(g, p, area);
-    return area;
+    struct gather_single_clusters *clusters = &singles->found[singles->next];
+    singles->next = (singles->next + 1) % FOUND_MOST;
+    if (singles->count < FOUND_MOST) singles->count++;
+    find_clusters(g, p, clusters);
+    return clusters;
 }
 
-bool gather_single_sample(const struct gather_single *area, const struct shading_point *p,
-                          unsigned lobes, float u_lobe, vec2 u, struct brdf_sample *out) {
-    return gather_near_sample(&area->to, p, lobes, area->near.expected, u_lobe, u, out);
+bool gather_single_sample(const struct gather_single_clusters *clusters,
+                          const struct shading_point *p, unsigned lobes, float u_lobe, vec2 u,
+                          struct brdf_sample *out) {
+    return gather_near_sample(&clusters->to, p, lobes, clusters->near.expected, u_lobe, u, out);
 }
 
-void gather_single_rays(const struct gather *g, struct gather_scratch *scratch,
-                        struct gather_single *area, struct gather_ray *rays, size_t count,
-                        uint64_t stream) {
-    gather_rays_guided(g, scratch, rays, count, stream, &area->near);
+void gather_single_rays(const struct gather *g, const struct gather_worker *worker,
+                        const struct gather_single_clusters *clusters, struct gather_ray *rays,
+                        size_t count, uint64_t stream) {
+    struct gather_singles *singles = worker->singles;
+    struct gather_near probed;
+    if (gather_rays_guided(g, worker->scratch, rays, count, stream, &clusters->near, &probed))
+        singles->found[clusters - singles->found].near = probed;
 }

@@ -93,7 +93,7 @@ enum { MISSING_DIMENSION = 16 };  // of the sampler, beyond those of sampled lob
 
 // How lobes are sampled by gather rays.
 struct lobe_sampling {
-    struct gather_single *area;  // whose photon clusters rays and bounces are aimed at; NULL: none
+    const struct gather_single_clusters *clusters;  // at which rays and bounces are aimed, or NULL
     unsigned lobes;
     int count;           // number of rays
     float ratio;         // number of BRDF samples per light sample; 0: rays do not find lights
@@ -125,9 +125,9 @@ static bool draw_sample(const struct shade_job *job, const struct lobe_sampling 
     struct sampler u = {index, job->sampler.seed, job->sampler.dimension + by->dimension};
     const vec2 uv = sampler_2d(&u);
     const float u_lobe = sampler_1d(&u);
-    if (!by->area)
+    if (!by->clusters)
         return brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, by->lobes, BRDF_RADIANCE, out);
-    return gather_single_sample(by->area, p, by->lobes, u_lobe, uv, out);
+    return gather_single_sample(by->clusters, p, by->lobes, u_lobe, uv, out);
 }
 
 // Draws gather rays. Returns the number of those that did not fail.
@@ -163,10 +163,10 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
     const int rays = draw_rays(job, by, &drawn);
     job->worker->counts.rays += (uint64_t)rays;
     const struct gather_worker *w = &job->worker->gather;
-    if (!by->area)
+    if (!by->clusters)
         gather_rays(g, w->scratch, drawn.ray, (size_t)rays, by->stream);
     else
-        gather_single_rays(g, w->scratch, by->area, drawn.ray, (size_t)rays, by->stream);
+        gather_single_rays(g, w, by->clusters, drawn.ray, (size_t)rays, by->stream);
     rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
         const struct gather_ray *ray = &drawn.ray[i];

@@ -40,7 +40,8 @@ static double gather_single_expected(const struct shading_point *p) {
 // The light by the rays of one sample.
 static double light_of_sample(struct spot_room *f, const struct shading_point *p, uint32_t sample,
                               uint32_t seed) {
-    struct gather_single *area = gather_single_find(&f->g, p, 0.01f, f->worker->singles);
+    const struct gather_single_clusters *clusters =
+        gather_single_find(&f->g, p, 0.01f, f->worker->singles);
     struct gather_ray ray[RAYS] = {0};
     rgb weight[RAYS], sum = rgb_grey(0.0f);
     int rays = 0;
@@ -48,14 +49,14 @@ static double light_of_sample(struct spot_room *f, const struct shading_point *p
         struct sampler u = {RAYS * sample + i, seed, 0};
         const vec2 uv = sampler_2d(&u);
         struct brdf_sample b;
-        if (!gather_single_sample(area, p, BRDF_DIFFUSE, sampler_1d(&u), uv, &b)) continue;
+        if (!gather_single_sample(clusters, p, BRDF_DIFFUSE, sampler_1d(&u), uv, &b)) continue;
         const vec3 d = frame_to_world(&p->frame, b.wi);
         ray[rays] = (struct gather_ray){
             .ray = scene_spawn(&f->scene.scene, p->interaction.p, p->interaction.ng, d),
             .item = u.index};
         weight[rays++] = b.weight;
     }
-    gather_single_rays(&f->g, f->worker->scratch, area, ray, (size_t)rays, seed);
+    gather_single_rays(&f->g, f->worker, clusters, ray, (size_t)rays, seed);
     for (int i = 0; i < rays; i++) sum = rgb_fma(sum, weight[i], ray[i].L);
     return (double)sum.g / RAYS;
 }
