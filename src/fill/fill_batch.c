@@ -25,7 +25,7 @@ struct job {
     struct gather_radiance radiance;
     struct cache_residual residual;
     float *value;  // of a radiance record, in the cache's arena
-    struct gather_around around;
+    struct gather_surroundings around;
     struct fill_extent extent;  // before it is limited by other records
     int refused;                // number of attempts that were not valid
     bool valid;                 // whether the last attempt was valid
@@ -157,7 +157,7 @@ static void gather_more(const struct batch *b, struct job *job, const struct gat
     site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
     gather_hemisphere_trace(f->g, f->irradiance_whole, &site, from->worker->scratch, hemisphere);
     gather_hemisphere_irradiance(f->g, hemisphere, &more);
-    gather_around_make(hemisphere, from->hessian, &job->around);
+    gather_surroundings_make(hemisphere, from->hessian, &job->around);
     const float t = (float)more.rays / (float)(more.rays + first->rays);
     first->E = mix(first->E, more.E, t);
     for (int k = 0; k < 3; k++) {
@@ -231,7 +231,7 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
         struct gathering at = {w, {s->p, s->ng, s->frame, s->stream, true}, hessian};
         for (int attempt = 0; attempt < ATTEMPTS && !job->valid; attempt++) {
             gather_hemisphere_trace(f->g, layout, &at.site, w->scratch, w->hemisphere);
-            gather_around_make(w->hemisphere, hessian, &job->around);
+            gather_surroundings_make(w->hemisphere, hessian, &job->around);
             job->valid = b->records->make(b, job, &at);
             if (!job->valid) job->refused++;
             at.site.stream = rng_mix(at.site.stream + 0x9e3779b97f4a7c15ull);

@@ -11,7 +11,7 @@ static const float SECOND_ORDER = 0.5f;
 // the harmonic mean distance.
 static const float LONGEST = 3.0f, FARTHEST = 2.0f;
 
-static float by_distance(satin_radius kind, const struct gather_around *around) {
+static float by_distance(satin_radius kind, const struct gather_surroundings *around) {
     if (kind == SATIN_RADIUS_LEAST) return around->least;
     if (kind == SATIN_RADIUS_TABELLION) return around->least_upright;
     return around->harmonic;
@@ -27,8 +27,8 @@ static struct fill_extent circle(float R) { return (struct fill_extent){R, R, {0
 
 // Radii along the eigenvectors of the Hessian, whose eigenvalues are lambda:
 // sqrt(2 SECOND_ORDER E / |lambda|) [Schwarzhaupt et al. 2012].
-static struct fill_extent by_hessian(const struct gather_around *around, const struct frame *frame,
-                                     float E) {
+static struct fill_extent by_hessian(const struct gather_surroundings *around,
+                                     const struct frame *frame, float E) {
     const float xx = around->hessian[0], xy = around->hessian[1], yy = around->hessian[2];
     float mean = 0.5f * (xx + yy), half = sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
     float most = fabsf(mean) + half, least = fabsf(fabsf(mean) - half);
@@ -70,7 +70,7 @@ static vec3 luminance_gradient(const struct cache_irradiance_value *value) {
 }
 
 struct fill_extent fill_extent_irradiance(const struct cache *cache, const struct fill_site *site,
-                                          const struct gather_around *around,
+                                          const struct gather_surroundings *around,
                                           struct cache_irradiance_value *value) {
     const struct cache_options *o = &cache->store[CACHE_IRRADIANCE].options;
     const float E = rgb_luminance(value->E);
@@ -105,7 +105,7 @@ static void lengths2(const struct gather_radiance *value, int n2, int channel, f
 }
 
 struct fill_extent fill_extent_radiance(const struct cache *cache, const struct fill_site *site,
-                                        const struct gather_around *around,
+                                        const struct gather_surroundings *around,
                                         struct gather_radiance *value) {
     const struct cache_store *store = &cache->store[CACHE_RADIANCE];
     const struct cache_options *o = &store->options;

@@ -7,7 +7,7 @@
 // because the rays may have missed something nearer.
 static const float CLEAR = 0.8f;
 
-uint32_t fill_leak_sectors(const struct gather_around *around, float radius, float *clear) {
+uint32_t fill_leak_sectors(const struct gather_surroundings *around, float radius, float *clear) {
     uint32_t near = 0;
     *clear = radius;
     for (int s = 0; s < CACHE_SECTORS; s++)

@@ -41,10 +41,10 @@ struct fill_extent {
 // The extent of a record from what its rays found around it [K05 3.3, 6.5.1]. Scales down the
 // gradients of *value if R is larger than the distance for which they are valid.
 struct fill_extent fill_extent_irradiance(const struct cache *cache, const struct fill_site *site,
-                                          const struct gather_around *around,
+                                          const struct gather_surroundings *around,
                                           struct cache_irradiance_value *value);
 struct fill_extent fill_extent_radiance(const struct cache *cache, const struct fill_site *site,
-                                        const struct gather_around *around,
+                                        const struct gather_surroundings *around,
                                         struct gather_radiance *value);
 // The least R of records at a pixel width: the options' least radius in pixels, over a.
 float fill_least_radius(const struct cache_options *options, float pixel);
@@ -53,7 +53,7 @@ float fill_least_radius(const struct cache_options *options, float pixel);
 float fill_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R);
 // The mask of the sectors with surfaces nearer than `radius`. *clear is set to a distance within
 // which there are none.
-uint32_t fill_leak_sectors(const struct gather_around *around, float radius, float *clear);
+uint32_t fill_leak_sectors(const struct gather_surroundings *around, float radius, float *clear);
 
 // ---- Rays of a new record (fill_rays.c) ---------------------------------------------------------
 
@@ -67,9 +67,9 @@ const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache
 // ---- Validity (fill_valid.c): finite, and E and distances in their ranges -----------------------
 
 bool fill_valid_irradiance(const struct cache_irradiance_value *value,
-                           const struct gather_around *around);
+                           const struct gather_surroundings *around);
 bool fill_valid_radiance(const struct gather_radiance *value, int order,
-                         const struct gather_around *around);
+                         const struct gather_surroundings *around);
 
 // ---- Residuals (fill_residual.c) ----------------------------------------------------------------
 

@@ -4,7 +4,7 @@
 #include "fill/fill_record.h"
 
 // Distances may be infinite, where nothing was hit.
-static bool valid_around(const struct gather_around *around) {
+static bool valid_around(const struct gather_surroundings *around) {
     if (!(around->harmonic > 0.0f) || !(around->least > 0.0f) || !(around->least_upright > 0.0f))
         return false;
     for (int s = 0; s < CACHE_SECTORS; s++)
@@ -14,7 +14,7 @@ static bool valid_around(const struct gather_around *around) {
 }
 
 bool fill_valid_irradiance(const struct cache_irradiance_value *value,
-                           const struct gather_around *around) {
+                           const struct gather_surroundings *around) {
     if (!rgb_finite(value->E) || !(fminf(value->E.r, fminf(value->E.g, value->E.b)) >= 0.0f))
         return false;
     for (int c = 0; c < 3; c++)
@@ -23,7 +23,7 @@ bool fill_valid_irradiance(const struct cache_irradiance_value *value,
 }
 
 bool fill_valid_radiance(const struct gather_radiance *value, int order,
-                         const struct gather_around *around) {
+                         const struct gather_surroundings *around) {
     const size_t n2 = (size_t)(order * order);
     return cache_valid_numbers(value->lambda, 3 * n2) && cache_valid_numbers(value->dx, 3 * n2) &&
            cache_valid_numbers(value->dy, 3 * n2) && cache_valid_numbers(value->noise, n2) &&

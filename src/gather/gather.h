@@ -255,9 +255,9 @@ struct gather_radiance {
     uint32_t rays;  // number of rays from which it was made
 };
 
-// What the rays show of the surroundings of the site (gather_around.c). Distances are INFINITY if
-// nothing was hit.
-struct gather_around {
+// What the rays show of the surroundings of the site (gather_surroundings.c). Distances are
+// INFINITY if nothing was hit.
+struct gather_surroundings {
     float harmonic;       // harmonic mean of hit distances
     float least;          // least hit distance
     float least_upright;  // least hit distance without rays at grazing angles to both surfaces
@@ -278,7 +278,7 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemi
 rgb gather_hemisphere_reflected(const struct gather_hemisphere *hemisphere, const struct brdf *brdf,
                                 vec3 wo, unsigned lobes);
 // Computes *out. `hessian` requests the Hessian, which needs a cosine-weighted layout.
-void gather_around_make(const struct gather_hemisphere *hemisphere, bool hessian,
-                        struct gather_around *out);
+void gather_surroundings_make(const struct gather_hemisphere *hemisphere, bool hessian,
+                              struct gather_surroundings *out);
 
 #endif

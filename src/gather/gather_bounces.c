@@ -133,9 +133,8 @@ static bool includes_direct(const struct path_vertex *v, struct gather_estimate 
 static rgb caustic_irradiance(const struct path *path, const struct path_vertex *v) {
     struct sampler apart = path->sampler;
     apart.dimension += 32;  // beyond those that the branches use
-    const struct photon_beside beside = {rgb_luminance(v->L), sampler_1d(&apart)};
-    return photon_caustic_irradiance(v->g->maps, v->g->scene, v->y->interaction.p, v->y->ng,
-                                     beside);
+    const struct photon_other_light other = {rgb_luminance(v->L), sampler_1d(&apart)};
+    return photon_caustic_irradiance(v->g->maps, v->g->scene, v->y->interaction.p, v->y->ng, other);
 }
 
 // Adds the light that is known at a vertex, and decides by which lobes the path continues.

@@ -17,8 +17,8 @@ struct gather_layout {
     float *boundary_h;  // M: (theta_j+ - theta_j-) cos(their mean), which [K05 4.3.2] has instead
     float *rotation;    // M: integral of sin^2(theta) over the stratum
     // Second derivatives xx, xy, yy of the cosine law over a boundary at distance 1
-    // (gather_around.c): of the boundary below row j around azimuth 0, and of that before a column
-    // at azimuth 0.
+    // (gather_surroundings.c): of the boundary below row j around azimuth 0, and of that before a
+    // column at azimuth 0.
     float (*hessian_u)[3], (*hessian_v)[3];  // M each
     // Radiance [K05 4.3.1, at the boundaries]: H(theta, phi) = P(theta) trig(phi), so the sums over
     // k are computed first, once per trigonometric function.

@@ -109,7 +109,7 @@ float light_chain_density(const struct light_chain *chain, float dist) {
 // ---- Shadow rays --------------------------------------------------------------------------------
 
 // The state of a shadow ray that passes through panes.
-struct march {
+struct pane_path {
     const struct satin_scene *scene;
     int panes;  // number of surfaces that it may still pass
     struct light_chain chain;
@@ -119,64 +119,65 @@ struct march {
 
 // Passes the surface s that a ray along d has hit, and sets *d to the direction behind it. False if
 // the ray is stopped.
-static bool pass_surface(struct march *m, const struct interaction *s, vec3 *d) {
+static bool pass_surface(struct pane_path *path, const struct interaction *s, vec3 *d) {
     const vec3 wo = v3_neg(*d);
     struct brdf b;
     struct frame frame;
     struct brdf_sample lobe[2];
-    if (m->chain.crossed >= m->panes || m->chain.crossed >= PANES_MAX) return false;
-    if (!may_be_pane(m->scene, s, wo) || !scene_brdf(m->scene, s, wo, &b, &frame)) return false;
+    if (path->chain.crossed >= path->panes || path->chain.crossed >= PANES_MAX) return false;
+    if (!may_be_pane(path->scene, s, wo) || !scene_brdf(path->scene, s, wo, &b, &frame))
+        return false;
     if (!(brdf_lobes(&b) & BRDF_DELTA)) return false;
     const vec3 wo_l = frame_to_local(&frame, wo);
     const int lobes = brdf_delta(&b, wo_l, BRDF_RADIANCE, lobe);
     for (int i = 0; i < lobes; i++) {
         if (!(lobe[i].wi.z * wo_l.z < 0.0f)) continue;
-        light_chain_advance(&m->chain, s->t);
-        pass_pane(&m->chain, wo_l, &lobe[i]);
-        m->T = rgb_mul(m->T, lobe[i].weight);
-        m->p = s->p;
-        m->ng = s->ng;
+        light_chain_advance(&path->chain, s->t);
+        pass_pane(&path->chain, wo_l, &lobe[i]);
+        path->T = rgb_mul(path->T, lobe[i].weight);
+        path->p = s->p;
+        path->ng = s->ng;
         *d = frame_to_world(&frame, lobe[i].wi);
-        return !rgb_black(m->T);
+        return !rgb_black(path->T);
     }
     return false;
 }
 
-static struct march march_begin(const struct satin_scene *scene, int panes, vec3 d) {
-    return (struct march){
+static struct pane_path pane_path_begin(const struct satin_scene *scene, int panes, vec3 d) {
+    return (struct pane_path){
         .scene = scene, .panes = panes, .chain = light_chain_begin(d), .T = rgb_grey(1.0f)};
 }
 
 // Continues from the hit s of a ray along d to the first surface that is not of a pane, in *s; *hit
 // is false if there is none. Returns false if the ray is stopped before that.
-static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit) {
+static bool pane_path_continue(struct pane_path *path, struct interaction *s, vec3 *d, bool *hit) {
     for (*hit = true; *hit;) {
         if (s->light >= 0) break;
-        if (!pass_surface(m, s, d)) return false;
-        struct ray ray = scene_spawn(m->scene, m->p, m->ng, *d);
-        *hit = scene_intersect(m->scene, &ray, s);
+        if (!pass_surface(path, s, d)) return false;
+        struct ray ray = scene_spawn(path->scene, path->p, path->ng, *d);
+        *hit = scene_intersect(path->scene, &ray, s);
     }
-    return is_parallel(m->chain.d, *d);
+    return is_parallel(path->chain.d, *d);
 }
 
 // Follows a ray towards a sample's point, behind the pane of which s is a surface. *miss is set to
 // the distance by which the end of the path misses the point; the path may end on another point of
 // the same light. False if the ray is stopped before.
-static bool march_to(struct march *m, struct interaction s, vec3 d, const struct light_sample *to,
-                     vec3 *miss) {
-    while (pass_surface(m, &s, &d)) {
-        const vec3 left = v3_sub(to->p, m->p);
+static bool pane_path_to_point(struct pane_path *path, struct interaction s, vec3 d,
+                               const struct light_sample *to, vec3 *miss) {
+    while (pass_surface(path, &s, &d)) {
+        const vec3 left = v3_sub(to->p, path->p);
         const float along = v3_dot(left, d);
-        const bool outside = is_parallel(m->chain.d, d);
-        struct ray ray = scene_spawn(m->scene, m->p, m->ng, d);
+        const bool outside = is_parallel(path->chain.d, d);
+        struct ray ray = scene_spawn(path->scene, path->p, path->ng, d);
         if (outside) {
             if (!(along > 0.0f)) return false;
             *miss = v3_sub(v3_mul(d, along), left);
-            ray = scene_spawn_to(m->scene, m->p, m->ng, v3_add(to->p, *miss), to->n);
+            ray = scene_spawn_to(path->scene, path->p, path->ng, v3_add(to->p, *miss), to->n);
         }
-        if (scene_intersect(m->scene, &ray, &s) && !(outside && s.light == (int32_t)to->light))
+        if (scene_intersect(path->scene, &ray, &s) && !(outside && s.light == (int32_t)to->light))
             continue;
-        light_chain_advance(&m->chain, along);
+        light_chain_advance(&path->chain, along);
         return outside;
     }
     return false;
@@ -188,19 +189,19 @@ static bool arrives_from_point(const struct satin_scene *scene, vec3 p, vec3 ng,
                                struct interaction first, struct light_sample *s) {
     struct ray ray = light_shadow_ray(scene, p, ng, s);
     vec3 beside = v3(0, 0, 0);
-    struct march m;
+    struct pane_path path;
     for (int i = 0;; i++) {
         vec3 miss = v3(0, 0, 0);
-        m = march_begin(scene, panes, ray.d);
-        if (!march_to(&m, first, ray.d, s, &miss)) return false;
+        path = pane_path_begin(scene, panes, ray.d);
+        if (!pane_path_to_point(&path, first, ray.d, s, &miss)) return false;
         if (i + 1 == AIMS || v3_dot(miss, miss) <= sqrf(AIMED * s->dist)) break;
         beside = v3_add(beside, miss);
         if (!light_sample(scene, s->light, v3_add(p, beside), s->u, s->v, s)) return false;
         ray = scene_spawn(scene, p, ng, s->wi);
         if (!scene_intersect(scene, &ray, &first)) return false;
     }
-    s->L = rgb_mul(s->L, m.T);
-    s->pdf_w *= light_chain_density(&m.chain, s->dist);
+    s->L = rgb_mul(s->L, path.T);
+    s->pdf_w *= light_chain_density(&path.chain, s->dist);
     return true;
 }
 
@@ -211,37 +212,37 @@ bool light_arrives(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
     struct interaction first;
     if (!scene_intersect(scene, &ray, &first)) return true;
     if (isfinite(s->dist)) return arrives_from_point(scene, p, ng, panes, first, s);
-    struct march m = march_begin(scene, panes, s->wi);
+    struct pane_path path = pane_path_begin(scene, panes, s->wi);
     vec3 d = s->wi;
     bool hit;
-    if (!march_on(&m, &first, &d, &hit) || hit) return false;
-    s->L = rgb_mul(s->L, m.T);
+    if (!pane_path_continue(&path, &first, &d, &hit) || hit) return false;
+    s->L = rgb_mul(s->L, path.T);
     return true;
 }
 
 bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int panes,
                 struct interaction *hit, bool *environment, struct light_found *out) {
     struct ray ray = scene_spawn(scene, p, ng, d);
-    struct march m = march_begin(scene, panes, d);
+    struct pane_path path = pane_path_begin(scene, panes, d);
     bool met = scene_intersect(scene, &ray, hit);
-    if (met && !march_on(&m, hit, &d, &met)) return false;
-    if (met) light_chain_advance(&m.chain, hit->t);
+    if (met && !pane_path_continue(&path, hit, &d, &met)) return false;
+    if (met) light_chain_advance(&path.chain, hit->t);
     *environment = !met;
     if (!met && scene->environment < 0) return false;
-    const rgb L = light_chain_emitted(&m.chain, scene, met ? hit : NULL, d);
-    *out = (struct light_found){m.chain, rgb_mul(m.T, L)};
+    const rgb L = light_chain_emitted(&path.chain, scene, met ? hit : NULL, d);
+    *out = (struct light_found){path.chain, rgb_mul(path.T, L)};
     return true;
 }
 
 bool light_makes_caustic(const struct satin_scene *scene, struct ray ray) {
-    struct march m = march_begin(scene, PANES_MAX, ray.d);
+    struct pane_path path = pane_path_begin(scene, PANES_MAX, ray.d);
     struct interaction s;
     vec3 d = ray.d;
     while (scene_intersect(scene, &ray, &s)) {
         const struct material *material = &scene->material[s.material];
         if (!(material_lobes(material, s.light >= 0) & BRDF_DELTA)) break;
-        if (!pass_surface(&m, &s, &d)) return true;
-        ray = scene_spawn(scene, m.p, m.ng, d);
+        if (!pass_surface(&path, &s, &d)) return true;
+        ray = scene_spawn(scene, path.p, path.ng, d);
     }
-    return m.chain.crossed > 0 && !is_parallel(m.chain.d, d);
+    return path.chain.crossed > 0 && !is_parallel(path.chain.d, d);
 }

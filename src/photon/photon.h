@@ -97,19 +97,19 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                     unsigned lobes, float *radius);
 // Other light beside a caustic: the luminance L that the point reflects of it, and a random number
 // u in [0, 1) for skipping the lookup of caustics that are faint beside it. L 0: never skip it.
-struct photon_beside {
+struct photon_other_light {
     float L, u;
 };
-#define PHOTON_ALONE ((struct photon_beside){0.0f, 0.0f})
+#define PHOTON_ALONE ((struct photon_other_light){0.0f, 0.0f})
 // The radiance of caustic photons that the smooth `lobes` reflect to wo; arguments as of
 // photon_radiance.
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
-                   struct photon_beside beside);
+                   struct photon_other_light other);
 
 // The irradiance from caustic photons, from the caustic map.
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                              vec3 p, vec3 n, struct photon_beside beside);
+                              vec3 p, vec3 n, struct photon_other_light other);
 
 // The photon clusters, owned by the maps; NULL if there are none. `maps` may be NULL.
 const struct guide_clusters *photon_clusters(const struct photon_maps *maps);

@@ -274,9 +274,9 @@ static float smoothing_factor(float smoothed, float estimated) {
 
 // The probability of looking up a caustic of about this irradiance. A low-frequency lobe reflects
 // at most some ten times as much of it as of the light beside it.
-static float lookup_probability(rgb E, struct photon_beside beside) {
-    if (!(beside.L > 0.0f)) return 1.0f;
-    return clampf(50.0f * rgb_luminance(E) / (PI_F * beside.L), 0.1f, 1.0f);
+static float lookup_probability(rgb E, struct photon_other_light other) {
+    if (!(other.L > 0.0f)) return 1.0f;
+    return clampf(50.0f * rgb_luminance(E) / (PI_F * other.L), 0.1f, 1.0f);
 }
 
 static struct photon_query caustic_query(const struct photon_maps *maps,
@@ -292,7 +292,7 @@ static struct photon_query caustic_query(const struct photon_maps *maps,
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
-                   struct photon_beside beside) {
+                   struct photon_other_light other) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
     rgb E, estimated;
     float radius;
@@ -302,8 +302,8 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     if (source == READ_ENTRY && diffuse)
         return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
     if (source == READ_ENTRY && rgb_black(E)) return E;
-    const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, beside);
-    if (!(beside.u < chance)) return rgb_grey(0.0f);
+    const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other);
+    if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_query query = caustic_query(maps, scene, p, ng);
     const struct reflection at = {frame, brdf, wo, lobes};
     const rgb L = rgb_scale(estimate(&query, &at, &radius, &estimated), 1.0f / chance);
@@ -314,13 +314,13 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
 }
 
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                              vec3 p, vec3 n, struct photon_beside beside) {
+                              vec3 p, vec3 n, struct photon_other_light other) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
     rgb E;
     const enum map_read source = precomputed(maps, scene, p, n, &E);
     if (source == READ_ENTRY) return E;
-    const float chance = source == READ_SPARSE ? lookup_probability(E, beside) : 1.0f;
-    if (!(beside.u < chance)) return rgb_grey(0.0f);
+    const float chance = source == READ_SPARSE ? lookup_probability(E, other) : 1.0f;
+    if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_query query = caustic_query(maps, scene, p, n);
     struct photon_disc disc;
     int row[PHOTON_K_MAX];

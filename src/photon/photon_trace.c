@@ -52,7 +52,7 @@ struct run {
 
 // ---- One path ---------------------------------------------------------------------------------
 
-struct flight {
+struct photon_path {
     struct ray ray;
     rgb power;
     bool last;                           // whether it has bounced as often as it may
@@ -79,25 +79,26 @@ static bool is_valid_hit(const struct photon_hit *hit) {
 }
 
 // A direct photon that glass has deflected is a caustic one.
-static enum photon_class class_of(const struct flight *f) {
-    const bool deflected = f->class == PHOTON_DIRECT && !light_chain_straight(&f->chain, f->ray.d);
-    return deflected ? PHOTON_CAUSTIC : f->class;
+static enum photon_class class_of(const struct photon_path *photon) {
+    const bool deflected =
+        photon->class == PHOTON_DIRECT && !light_chain_straight(&photon->chain, photon->ray.d);
+    return deflected ? PHOTON_CAUSTIC : photon->class;
 }
 
 // Where a mask lets some photons pass, the others represent all that would hit a surface without
 // holes.
 static bool store_photon(const struct satin_scene *scene, struct chunk *chunk,
-                         const struct interaction *s, const struct flight *f) {
-    const vec3 wi = v3_neg(f->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
+                         const struct interaction *s, const struct photon_path *photon) {
+    const vec3 wi = v3_neg(photon->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
     const struct texture_lookup at = interaction_texture_lookup(scene, s);
     const struct material *material = &scene->material[s->material];
     const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
-    const enum photon_class class = class_of(f);
+    const enum photon_class class = class_of(photon);
     struct photon_hit hit = {
-        .p = s->p, .wi = photon_pack(wi), .n = photon_pack(n), .last = f->last};
+        .p = s->p, .wi = photon_pack(wi), .n = photon_pack(n), .last = photon->last};
     for (int i = 0; i < PHOTON_CONSUMERS; i++) {
-        if (!(f->classes[i] >> class & 1u)) continue;
-        hit.power = rgb_scale(f->power, f->factor[i]);
+        if (!(photon->classes[i] >> class & 1u)) continue;
+        hit.power = rgb_scale(photon->power, photon->factor[i]);
         if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
         if (!is_valid_hit(&hit))
             chunk->refused++;
@@ -126,8 +127,8 @@ static bool stores_photons(const struct satin_scene *scene, const struct interac
 
 // Scatters the photon at s. False if it is absorbed, or refused because its power is not finite.
 static bool scatter(const struct satin_scene *scene, const struct interaction *s, unsigned lobes,
-                    struct rng *rng, struct flight *f, uint64_t *refused) {
-    vec3 wi = v3_neg(f->ray.d);
+                    struct rng *rng, struct photon_path *photon, uint64_t *refused) {
+    vec3 wi = v3_neg(photon->ray.d);
     struct brdf b;
     struct frame frame;
     if (!scene_brdf(scene, s, wi, &b, &frame)) return false;
@@ -139,8 +140,8 @@ static bool scatter(const struct satin_scene *scene, const struct interaction *s
     float in_s = fabsf(v3_dot(wi, frame.n)), in_g = fabsf(v3_dot(wi, s->ng)),
           out_s = fabsf(v3_dot(wo, frame.n)), out_g = fabsf(v3_dot(wo, s->ng));
     float adjoint = in_s * out_g / (in_g * out_s);
-    rgb power = rgb_scale(rgb_mul(f->power, sample.weight), adjoint);
-    float before = rgb_max(f->power), after = rgb_max(power);
+    rgb power = rgb_scale(rgb_mul(photon->power, sample.weight), adjoint);
+    float before = rgb_max(photon->power), after = rgb_max(power);
     if (!rgb_finite(power)) {
         ++*refused;
         return false;
@@ -149,27 +150,28 @@ static bool scatter(const struct satin_scene *scene, const struct interaction *s
     float survival = fminf(after / before, 1.0f);
     if (rng_float(rng) >= survival) return false;
     if (!(sample.lobe & BRDF_DELTA))
-        f->class = PHOTON_INDIRECT;
-    else if (f->class == PHOTON_DIRECT)
-        light_chain_pass(&f->chain, scene, s, wi, frame_to_local(&frame, wi), &sample);
-    f->power = rgb_scale(power, 1.0f / survival);
-    f->ray = scene_spawn(scene, s->p, s->ng, wo);
+        photon->class = PHOTON_INDIRECT;
+    else if (photon->class == PHOTON_DIRECT)
+        light_chain_pass(&photon->chain, scene, s, wi, frame_to_local(&frame, wi), &sample);
+    photon->power = rgb_scale(power, 1.0f / survival);
+    photon->ray = scene_spawn(scene, s->p, s->ng, wo);
     return true;
 }
 
-static void follow_photon(const struct photon_tracing *tracing, struct flight f, struct rng *rng,
-                          struct chunk *chunk) {
+static void follow_photon(const struct photon_tracing *tracing, struct photon_path photon,
+                          struct rng *rng, struct chunk *chunk) {
     const struct satin_scene *scene = tracing->scene;
     unsigned lobes = tracing->emission ? BRDF_DELTA : BRDF_ALL;
     const int most = tracing->bounces < 0 ? BOUNCES_MAX : tracing->bounces;
     for (int bounce = 0; bounce <= most; bounce++) {
         struct interaction s;
-        if (!scene_intersect(scene, &f.ray, &s)) return;
-        f.last = bounce == tracing->bounces;
-        if (f.wanted >> class_of(&f) & 1u && stores_photons(scene, &s, v3_neg(f.ray.d)) &&
-            !store_photon(scene, chunk, &s, &f))
+        if (!scene_intersect(scene, &photon.ray, &s)) return;
+        photon.last = bounce == tracing->bounces;
+        if (photon.wanted >> class_of(&photon) & 1u &&
+            stores_photons(scene, &s, v3_neg(photon.ray.d)) &&
+            !store_photon(scene, chunk, &s, &photon))
             return;
-        if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
+        if (!scatter(scene, &s, lobes, rng, &photon, &chunk->refused)) return;
     }
 }
 
@@ -219,8 +221,8 @@ static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) 
 }
 
 // Starts path `index` of a light. False if it has no power, or a power that is not finite.
-static bool start_path(const struct run *run, uint32_t light, uint64_t index, struct flight *f,
-                       uint64_t *refused) {
+static bool start_path(const struct run *run, uint32_t light, uint64_t index,
+                       struct photon_path *photon, uint64_t *refused) {
     const struct photon_tracing *tracing = run->tracing;
     // The sequence has 2^32 points; higher bits of the index go to the seed.
     uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
@@ -236,17 +238,17 @@ static bool start_path(const struct run *run, uint32_t light, uint64_t index, st
     struct light_ray start;
     if (!light_emit(tracing->scene, light, aim, u, &start)) return false;
     const float paths = (float)(run->first[light + 1] - run->first[light]);
-    *f = (struct flight){.ray = start.ray,
-                         .power = rgb_scale(start.power, factor / paths),
-                         .chain = light_chain_begin(start.ray.d)};
+    *photon = (struct photon_path){.ray = start.ray,
+                                   .power = rgb_scale(start.power, factor / paths),
+                                   .chain = light_chain_begin(start.ray.d)};
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (index >= run->paths[k][light]) continue;
-        f->classes[k] = tracing->consumer[k].classes;
-        f->wanted |= f->classes[k];
-        f->factor[k] = paths / (float)run->paths[k][light];
+        photon->classes[k] = tracing->consumer[k].classes;
+        photon->wanted |= photon->classes[k];
+        photon->factor[k] = paths / (float)run->paths[k][light];
     }
-    if (!rgb_finite(f->power)) ++*refused;
-    return rgb_finite(f->power) && rgb_max(f->power) > 0.0f;
+    if (!rgb_finite(photon->power)) ++*refused;
+    return rgb_finite(photon->power) && rgb_max(photon->power) > 0.0f;
 }
 
 static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) {
@@ -261,9 +263,9 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
         while (path >= run->first[light + 1]) light++;
         struct rng rng =
             rng_make(tracing->seed, tracing->emission ? RNG_CAUSTIC : RNG_PHOTON, path);
-        struct flight f;
-        if (start_path(run, light, path - run->first[light], &f, &chunk->refused))
-            follow_photon(tracing, f, &rng, chunk);
+        struct photon_path photon;
+        if (start_path(run, light, path - run->first[light], &photon, &chunk->refused))
+            follow_photon(tracing, photon, &rng, chunk);
     }
     // The kd-tree numbers photons by int.
     size_t own = 0;

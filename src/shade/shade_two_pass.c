@@ -278,9 +278,9 @@ void shade_vertex_two_pass(struct shade_job *job) {
                                          0,    job->pixel_stream};
         sample_lobes(job, &by);
     }
-    const struct photon_beside beside = {added_luminance(job) - before, u_caustic};
+    const struct photon_other_light other = {added_luminance(job) - before, u_caustic};
     if (caustic)
         add_uncached(job, SHADE_CAUSTIC,
                      photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf,
-                                    p->wo_l, caustic, beside));
+                                    p->wo_l, caustic, other));
 }

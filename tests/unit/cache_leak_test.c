@@ -39,10 +39,10 @@ static void cache_leak_start(struct cache_leak_fixture *f) {
     struct gather_layout *layout = gather_layout_new(600, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     struct cache_irradiance_value value;
-    struct gather_around around;
+    struct gather_surroundings around;
     gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
     gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
-    gather_around_make(worker->hemisphere, false, &around);
+    gather_surroundings_make(worker->hemisphere, false, &around);
     f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
     f->head.near_sectors = fill_leak_sectors(&around, 2.0f, &f->head.clear);
     gather_workers_free(worker, 1);

@@ -40,7 +40,7 @@ static float fill_extent_pixels(struct fill_extent_fixture *f, float distance) {
     fill_extent_apply(f);
     const struct fill_site site = {.frame = frame_from_normal(v3(0, 0, 1)),
                                    .pixel = FILL_EXTENT_PIXEL};
-    const struct gather_around around = {.harmonic = distance, .least = distance};
+    const struct gather_surroundings around = {.harmonic = distance, .least = distance};
     float lambda[3] = {1, 1, 1}, dx[3] = {0}, dy[3] = {0};
     struct cache_irradiance_value E = {.E = rgb_grey(1.0f)};
     struct gather_radiance L = {.lambda = lambda, .dx = dx, .dy = dy};
@@ -88,7 +88,7 @@ static void the_radius_ratio_compares_with_the_wanted_radius(void **state) {
     fill_extent_apply(&f);
     const struct fill_site site = {.frame = frame_from_normal(v3(0, 0, 1)),
                                    .pixel = FILL_EXTENT_PIXEL};
-    struct gather_around around = {.harmonic = 0.03f};
+    struct gather_surroundings around = {.harmonic = 0.03f};
     struct cache_irradiance_value E = {.E = rgb_grey(1.0f)};
     assert_float_equal(fill_extent_irradiance(&f.cache, &site, &around, &E).radius_ratio, 0.5f,
                        1e-5f);

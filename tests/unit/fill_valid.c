@@ -11,15 +11,16 @@
 
 enum { ORDER = 3, N2 = ORDER * ORDER };
 
-static struct gather_around make_around(void) {
-    struct gather_around around = {.harmonic = INFINITY, .least = 1.0f, .least_upright = 2.0f};
+static struct gather_surroundings make_around(void) {
+    struct gather_surroundings around = {
+        .harmonic = INFINITY, .least = 1.0f, .least_upright = 2.0f};
     for (int s = 0; s < CACHE_SECTORS; s++) around.sector[s] = s % 2 ? INFINITY : 0.0f;
     return around;
 }
 
 // Sets each of `count` floats from `first` on to a NaN and to an infinite number in turn.
-static void irradiance_refuses(struct cache_irradiance_value *value, struct gather_around *around,
-                               float *first, int count) {
+static void irradiance_refuses(struct cache_irradiance_value *value,
+                               struct gather_surroundings *around, float *first, int count) {
     static const float wrong[] = {NAN, INFINITY, -INFINITY};
     for (int i = 0; i < count; i++)
         for (int k = 0; k < 3; k++) {
@@ -34,7 +35,7 @@ static void irradiance_refuses(struct cache_irradiance_value *value, struct gath
 static void irradiance_is_checked(void **state) {
     (void)state;
     struct cache_irradiance_value value = {.E = {0.0f, 1.0f, 2.0f}};
-    struct gather_around around = make_around();
+    struct gather_surroundings around = make_around();
     irradiance_refuses(&value, &around, &value.E.r, 3);
     irradiance_refuses(&value, &around, &value.grad_t[0].x, 9);
     irradiance_refuses(&value, &around, &value.grad_r[0].x, 9);
@@ -57,7 +58,7 @@ static void radiance_is_checked(void **state) {
     float block[10 * N2] = {0};
     const struct gather_radiance value = {
         .lambda = block, .dx = block + 3 * N2, .dy = block + 6 * N2, .noise = block + 9 * N2};
-    const struct gather_around around = make_around();
+    const struct gather_surroundings around = make_around();
     for (int i = 0; i < 10 * N2; i++) {
         block[i] = i % 2 ? NAN : INFINITY;
         assert_false(fill_valid_radiance(&value, ORDER, &around));

@@ -46,13 +46,13 @@ static void photon_density_integrate(const struct test_scene *t, const struct ph
     for (uint32_t i = 0; i < POINTS; i++) {
         const vec2 u = sample_sobol2(i, 1), chance = sample_sobol2(i, 2);
         const vec3 p = v3(1.6f * u.x - 0.8f, 1.6f * u.y - 0.8f, 0);
-        const struct photon_beside beside[2] = {PHOTON_ALONE, {100.0f, chance.x}};
+        const struct photon_other_light other[2] = {PHOTON_ALONE, {100.0f, chance.x}};
         power[0] +=
-            area / POINTS * (double)photon_caustic_irradiance(maps, &t->scene, p, up, beside[1]).g;
+            area / POINTS * (double)photon_caustic_irradiance(maps, &t->scene, p, up, other[1]).g;
         for (int k = 0; k < 2; k++)
             power[k + 1] += area * M_PI / POINTS *
                             (double)photon_caustic(maps, &t->scene, p, up, &frame, white, up,
-                                                   BRDF_DIFFUSE, beside[k])
+                                                   BRDF_DIFFUSE, other[k])
                                 .g;
     }
 }

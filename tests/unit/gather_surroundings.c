@@ -13,7 +13,7 @@
 #include "gather/gather.h"
 #include "test_scene.h"
 
-struct gather_around_fixture {
+struct gather_surroundings_fixture {
     struct test_scene scene;
     satin_options options;
     struct gather g;
@@ -21,7 +21,7 @@ struct gather_around_fixture {
     struct gather_worker *worker;
 };
 
-static void gather_around_start(struct gather_around_fixture *f, int rays) {
+static void gather_surroundings_start(struct gather_surroundings_fixture *f, int rays) {
     test_scene_finish(&f->scene);
     f->options = satin_options_default;
     f->options.first_pass = SATIN_FIRST_NONE;
@@ -32,55 +32,56 @@ static void gather_around_start(struct gather_around_fixture *f, int rays) {
     assert_true(f->layout && f->worker);
 }
 
-static void gather_around_lamp(struct gather_around_fixture *f, vec3 p) {
+static void gather_surroundings_lamp(struct gather_surroundings_fixture *f, vec3 p) {
     test_light(&f->scene,
                (struct light){.kind = LIGHT_POINT, .position = p, .value = rgb_grey(1.0f)});
 }
 
-static void start_box(struct gather_around_fixture *f, int rays) {
+static void start_box(struct gather_surroundings_fixture *f, int rays) {
     test_scene_init(&f->scene);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.6f, 0.7f));
-    gather_around_lamp(f, v3(0.5f, 0.6f, 0.1f));
-    gather_around_start(f, rays);
+    gather_surroundings_lamp(f, v3(0.5f, 0.6f, 0.1f));
+    gather_surroundings_start(f, rays);
 }
 
 // A ball lit from its centre, so equally bright everywhere; a black plate hides a part of it.
-static void start_ball(struct gather_around_fixture *f, int rays) {
+static void start_ball(struct gather_surroundings_fixture *f, int rays) {
     test_scene_init(&f->scene);
     test_quadric(&f->scene, SHAPE_SPHERE, mat4_scale(v3(2, 2, 2)), true,
                  test_diffuse(&f->scene, 0.5f, 0.6f, 0.7f));
     test_cube(&f->scene, test_transform(v3(0.5f, -0.3f, 0.1f), v3(0.3f, 0.01f, 0.2f)), false,
               test_diffuse(&f->scene, 0, 0, 0));
-    gather_around_lamp(f, v3(0, 0, 0));
-    gather_around_start(f, rays);
+    gather_surroundings_lamp(f, v3(0, 0, 0));
+    gather_surroundings_start(f, rays);
 }
 
-static void gather_around_stop(struct gather_around_fixture *f) {
+static void gather_surroundings_stop(struct gather_surroundings_fixture *f) {
     gather_workers_free(f->worker, 1);
     gather_layout_free(f->layout);
     test_scene_free(&f->scene);
 }
 
-static double gather_around_irradiance(struct gather_around_fixture *f, float x, float z,
-                                       uint64_t stream, struct gather_around *around) {
+static double gather_surroundings_irradiance(struct gather_surroundings_fixture *f, float x,
+                                             float z, uint64_t stream,
+                                             struct gather_surroundings *around) {
     vec3 n = v3(0, 1, 0);
     struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream,
                                true};
     struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, f->layout, &site, f->worker->scratch, f->worker->hemisphere);
     gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
-    if (around) gather_around_make(f->worker->hemisphere, true, around);
+    if (around) gather_surroundings_make(f->worker->hemisphere, true, around);
     return (double)rgb_luminance(value.E);
 }
 
 // The axis x is along u, and v = n x u = -z.
-static void second_differences(struct gather_around_fixture *f, float x, float z, float h,
+static void second_differences(struct gather_surroundings_fixture *f, float x, float z, float h,
                                uint64_t stream, double out[3]) {
     double E[3][3];
     for (int i = -1; i <= 1; i++)
         for (int j = -1; j <= 1; j++)
             E[i + 1][j + 1] =
-                gather_around_irradiance(f, x + (float)i * h, z - (float)j * h, stream, NULL);
+                gather_surroundings_irradiance(f, x + (float)i * h, z - (float)j * h, stream, NULL);
     double h2 = (double)h * (double)h;
     out[0] = (E[2][1] - 2.0 * E[1][1] + E[0][1]) / h2;
     out[1] = (E[2][2] - E[2][0] - E[0][2] + E[0][0]) / (4.0 * h2);
@@ -88,12 +89,12 @@ static void second_differences(struct gather_around_fixture *f, float x, float z
 }
 
 // Returns the root mean square of the error over that of the differences.
-static double hessian_error(struct gather_around_fixture *f, float x, float z, float h) {
+static double hessian_error(struct gather_surroundings_fixture *f, float x, float z, float h) {
     double error = 0.0, size = 0.0;
     for (uint64_t i = 0; i < 4; i++) {
-        struct gather_around around;
+        struct gather_surroundings around;
         double difference[3];
-        gather_around_irradiance(f, x, z, i, &around);
+        gather_surroundings_irradiance(f, x, z, i, &around);
         second_differences(f, x, z, h, i, difference);
         for (int k = 0; k < 3; k++) {
             double d = (double)around.hessian[k] - difference[k];
@@ -106,28 +107,28 @@ static double hessian_error(struct gather_around_fixture *f, float x, float z, f
 
 static void the_hessian_matches_second_differences(void **state) {
     (void)state;
-    struct gather_around_fixture f;
+    struct gather_surroundings_fixture f;
     start_box(&f, 60000);
     // The sum over strata is good to the first order in their size, 1 / 140; most of this is noise
     // of the differences.
     assert_true(hessian_error(&f, -0.3f, 0.2f, 0.2f) < 0.05);
-    gather_around_stop(&f);
+    gather_surroundings_stop(&f);
 }
 
 static void the_hessian_sees_an_edge_that_hides(void **state) {
     (void)state;
-    struct gather_around_fixture f;
+    struct gather_surroundings_fixture f;
     start_ball(&f, 60000);
     assert_true(hessian_error(&f, 0.1f, 0.0f, 0.1f) < 0.1);
-    gather_around_stop(&f);
+    gather_surroundings_stop(&f);
 }
 
 static void distances_are_those_of_the_box(void **state) {
     (void)state;
-    struct gather_around_fixture f;
-    struct gather_around around;
+    struct gather_surroundings_fixture f;
+    struct gather_surroundings around;
     start_box(&f, 2000);
-    gather_around_irradiance(&f, 0.9f, 0.0f, 1, &around);
+    gather_surroundings_irradiance(&f, 0.9f, 0.0f, 1, &around);
     assert_true(around.least > 0.1f && around.least < 0.11f);
     assert_true(around.least_upright >= around.least && around.least_upright < 0.12f);
     assert_true(around.harmonic > around.least && around.harmonic < 2.0f);
@@ -135,7 +136,7 @@ static void distances_are_those_of_the_box(void **state) {
     assert_true(around.sector[0] > 0.099f && around.sector[0] < 0.12f);
     assert_true(around.sector[CACHE_SECTORS / 2] > 1.8f);
     assert_true(around.deviation >= 0.0f && around.deviation < 0.05f);
-    gather_around_stop(&f);
+    gather_surroundings_stop(&f);
 }
 
 int main(void) {

@@ -10,7 +10,7 @@
 // The least cosine, at both ends, of rays that show near geometry [Tabellion and Lamorlette 2004].
 static const float RAY_GRAZING = 0.2f;
 
-static void distances(const struct gather_hemisphere *h, struct gather_around *out) {
+static void distances(const struct gather_hemisphere *h, struct gather_surroundings *out) {
     double sum = 0.0;
     for (size_t i = 0; i < h->stratified; i++) {
         const struct gather_ray *ray = &h->ray[i];
@@ -25,7 +25,7 @@ static void distances(const struct gather_hemisphere *h, struct gather_around *o
 
 // The least distances along the tangent plane, by azimuth, of hits below 45 degrees of elevation:
 // steeper rays hit surfaces above the record.
-static void sectors(const struct gather_hemisphere *h, struct gather_around *out) {
+static void sectors(const struct gather_hemisphere *h, struct gather_surroundings *out) {
     const struct gather_layout *l = h->layout;
     for (int k = 0; k < l->N; k++) {
         float near = INFINITY;
@@ -123,9 +123,9 @@ static void add_point(const struct gather_hemisphere *h, size_t i, float weight,
     out[2] += value * (gy * gy - n.y * n.y / (c * c) + 8.0f * w.y * w.y - 4.0f);
 }
 
-void gather_around_make(const struct gather_hemisphere *h, bool hessian,
-                        struct gather_around *out) {
-    *out = (struct gather_around){.harmonic = INFINITY, .least = INFINITY};
+void gather_surroundings_make(const struct gather_hemisphere *h, bool hessian,
+                              struct gather_surroundings *out) {
+    *out = (struct gather_surroundings){.harmonic = INFINITY, .least = INFINITY};
     out->least_upright = INFINITY;
     for (int s = 0; s < CACHE_SECTORS; s++) out->sector[s] = INFINITY;
     distances(h, out);
