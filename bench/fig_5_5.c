@@ -14,7 +14,7 @@
 #include "rsh/rsh.h"
 
 enum { N_MAX = 8, SIZE = 2 * N_MAX - 1, EXPONENT = 7 };
-static const double PI = 3.14159265358979323846;
+static const double FIGURE_PI = 3.14159265358979323846;
 static const char *const kinds[] = {"1", "1.5", "2"};
 
 // Eigenvalues of the symmetric matrix a by Jacobi's rotations; they are left on its diagonal.
@@ -94,7 +94,7 @@ static void project_lobe(double *zonal) {
         float y[N_MAX * N_MAX];
         rsh_eval(RSH_SPHERE, N_MAX, (float[3]){(float)sqrt(1 - z * z), 0.0f, (float)z}, y);
         for (int l = 0; l < N_MAX; l++)
-            zonal[l] += 2 * PI / STEPS * pow(z, EXPONENT) * (double)y[l * (l + 1)];
+            zonal[l] += 2 * FIGURE_PI / STEPS * pow(z, EXPONENT) * (double)y[l * (l + 1)];
     }
 }
 
@@ -105,7 +105,7 @@ int main(void) {
     for (int n = 5; n <= 8; n += 3)
         for (int kind = 0; kind < 3; kind++)
             for (int degrees = 0; degrees <= 40; degrees++) {
-                struct errors e = errors_of(n, kind, degrees * PI / 180, zonal);
+                struct errors e = errors_of(n, kind, degrees * FIGURE_PI / 180, zonal);
                 printf("%d\t%d\t%s\t%.4f\t%.4f\t%.4f\t%.4f\t%.4f\n", n, degrees, kinds[kind],
                        e.most, e.mean, e.rms, e.lobe, e.relative);
             }

@@ -17,7 +17,7 @@ static void direction(int i, float *x, float *y, float *z) {
 }
 
 // A blue sky with a broad warm light around +x; the ground is dark.
-static void sky(float x, float z, float rgb[3]) {
+static void sky_color(float x, float z, float rgb[3]) {
     float sun = powf(fmaxf(x, 0.0f), 8.0f), blue = z > 0.0f ? 0.5f : 0.1f;
     rgb[0] = 0.4f * blue + 2.0f * sun;
     rgb[1] = 0.6f * blue + 1.6f * sun;
@@ -30,7 +30,7 @@ int main(void) {
     for (int i = 0; i < SAMPLES; i++) {
         float rgb[3];
         direction(i, &x[i], &y[i], &z[i]);
-        sky(x[i], z[i], rgb);
+        sky_color(x[i], z[i], rgb);
         for (int c = 0; c < 3; c++) value[c][i] = weight * rgb[c];
     }
 

@@ -68,7 +68,7 @@ static void add_ends(const double r1[3], const double r2[3], float out[3]) {
     out[2] += (float)(r2[0] * r2[1] - r1[0] * r1[1]);
 }
 
-static void direction(double theta, double phi, double out[3]) {
+static void local_direction(double theta, double phi, double out[3]) {
     out[0] = sin(theta) * cos(phi);
     out[1] = sin(theta) * sin(phi);
     out[2] = cos(theta);
@@ -80,12 +80,12 @@ static void hessian_rows(struct gather_layout *l) {
     const double half = 3.14159265358979323846 / l->N;
     for (int j = 0; j < l->M; j++) {
         double lo = boundary_angle(l, j), hi = boundary_angle(l, j + 1), from[3], to[3];
-        direction(hi, -half, from);
-        direction(hi, half, to);
+        local_direction(hi, -half, from);
+        local_direction(hi, half, to);
         edge_hessian(from, to, l->hessian_u[j]);
         add_ends(from, to, l->hessian_u[j]);
-        direction(hi, 0.0, from);
-        direction(lo, 0.0, to);
+        local_direction(hi, 0.0, from);
+        local_direction(lo, 0.0, to);
         edge_hessian(from, to, l->hessian_v[j]);
         add_ends(from, to, l->hessian_v[j]);
     }

@@ -81,7 +81,7 @@ void load_warnings_report(struct load_warnings *warnings) {
     warnings->count = warnings->capacity = 0;
 }
 
-static void on_message(void *user, satin_log_severity severity, const char *message) {
+static void count_message(void *user, satin_log_severity severity, const char *message) {
     struct load_warnings *warnings = user;
     if (severity == SATIN_LOG_WARNING) {
         store_warning(warnings, message);
@@ -103,5 +103,5 @@ struct log load_warnings_each(struct load_warnings *warnings) {
 }
 
 struct log load_warnings_log(struct load_warnings *warnings) {
-    return (struct log){warnings->to.fn ? on_message : NULL, warnings};
+    return (struct log){warnings->to.fn ? count_message : NULL, warnings};
 }

@@ -276,23 +276,23 @@ Box lay_out(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, 
 }
 
 template <typename T>
-T *allocate(size_t count) {
+T *allocate_array(size_t count) {
     return static_cast<T *>(array_new_unset(count, sizeof(T)));
 }
 
 // Builds the whole tree. False if there is no memory or the pool was cancelled.
 template <size_t N>
-bool build(photon_index &index, const float *data, const photon_curve_tree &top,
-           struct parallel *pool) {
+bool build_arrays(photon_index &index, const float *data, const photon_curve_tree &top,
+                  struct parallel *pool) {
     Building b = {&index, data, {}, {false}};
     for (size_t i = 0; i < top.count; i++)
         if (top.node[i].column < 0) b.cell.push_back({top.node[i].begin, top.node[i].end, 0, {}});
     if (!parallel_for(pool, b.cell.size(), 1, build_cells<N>, &b) || b.failed) return false;
     index.nodes = top.count - top.cells;
     for (const Cell &cell : b.cell) index.nodes += cell.tree.node.size();
-    index.node = allocate<Node>(index.nodes);
-    index.row = allocate<int>(index.rows);
-    index.data = allocate<float>(index.rows * N);
+    index.node = allocate_array<Node>(index.nodes);
+    index.row = allocate_array<int>(index.rows);
+    index.data = allocate_array<float>(index.rows * N);
     if (!index.node || !index.row || !index.data) return false;
     size_t cell = 0, next = 0;
     const Box box = lay_out<N>(b, top, 0, &cell, &next);
@@ -379,7 +379,7 @@ void visit_leaf(Search<N, Found> &s, const Node &leaf) {
 
 // Visits a subtree. `distance2` is the squared distance of the query from the node's box.
 template <size_t N, typename Found>
-void visit(Search<N, Found> &s, uint32_t at, float distance2) {
+void visit_subtree(Search<N, Found> &s, uint32_t at, float distance2) {
     const Node &node = s.index.node[at];
     if (node.column < 0) {
         visit_leaf(s, node);
@@ -388,17 +388,17 @@ void visit(Search<N, Found> &s, uint32_t at, float distance2) {
     const float value = s.query[node.column];
     const bool first = (value - node.low) + (value - node.high) < 0.0f;
     const float cut = square(value - (first ? node.high : node.low));
-    visit(s, first ? at + 1 : node.second, distance2);
+    visit_subtree(s, first ? at + 1 : node.second, distance2);
     float &along2 = s.along2[node.column];
     const float before = along2;
     distance2 = distance2 + cut - before;
     along2 = cut;
-    if (distance2 <= s.found.worst()) visit(s, first ? node.second : at + 1, distance2);
+    if (distance2 <= s.found.worst()) visit_subtree(s, first ? node.second : at + 1, distance2);
     along2 = before;
 }
 
 template <size_t N, typename Found>
-void search(const photon_index &index, const float *query, Found &found) {
+void search_tree(const photon_index &index, const float *query, Found &found) {
     Search<N, Found> s = {index, query, found, {}};
     float distance2 = 0.0f;
     for (size_t i = 0; i < N; i++) {
@@ -406,7 +406,7 @@ void search(const photon_index &index, const float *query, Found &found) {
         if (query[i] > index.high[i]) s.along2[i] = square(query[i] - index.high[i]);
         distance2 += s.along2[i];
     }
-    if (distance2 <= found.worst()) visit(s, 0, distance2);
+    if (distance2 <= found.worst()) visit_subtree(s, 0, distance2);
 }
 
 bool finite(const float *q, size_t n) {
@@ -416,17 +416,17 @@ bool finite(const float *q, size_t n) {
 }
 
 template <size_t N>
-void find(const photon_index &index, const float *query, int k, float far2, int *row,
-          float *distance2) {
+void find_nearest(const photon_index &index, const float *query, int k, float far2, int *row,
+                  float *distance2) {
     if (k == 1) {
         Nearest nearest(far2);
-        search<N>(index, query, nearest);
+        search_tree<N>(index, query, nearest);
         if (nearest.row < 0) return;
         row[0] = nearest.row;
         distance2[0] = nearest.distance2;
     } else {
         NearestK nearest(k, far2, row, distance2);
-        search<N>(index, query, nearest);
+        search_tree<N>(index, query, nearest);
     }
 }
 
@@ -446,8 +446,8 @@ struct photon_index *photon_index_new(const float *data, size_t rows, int column
         index->rows = rows;
         const photon_curve_tree &above = curve ? top : one;
         if (built)
-            built = columns == 3 ? build<3>(*index, data, above, pool)
-                                 : build<6>(*index, data, above, pool);
+            built = columns == 3 ? build_arrays<3>(*index, data, above, pool)
+                                 : build_arrays<6>(*index, data, above, pool);
     } catch (...) {  // no memory
         built = false;
     }
@@ -475,8 +475,8 @@ void photon_index_nearest(const struct photon_index *index, const float *query, 
         }
         if (!finite(query, columns)) continue;
         if (columns == 3)
-            find<3>(*index, query, k, far2, row, distance2);
+            find_nearest<3>(*index, query, k, far2, row, distance2);
         else
-            find<6>(*index, query, k, far2, row, distance2);
+            find_nearest<6>(*index, query, k, far2, row, distance2);
     }
 }

@@ -29,7 +29,7 @@ static void free_maps(struct render *r) {
 
 // Builds the photon maps and the visibility of the lights, from this fraction of the options'
 // photons, with `global` times as many for the global map.
-static satin_status build(struct render *r, double fraction, double global) {
+static satin_status build_maps(struct render *r, double fraction, double global) {
     satin_options o = r->options;
     o.photons = (int64_t)ceil((double)o.photons * fraction * global);
     o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
@@ -66,7 +66,7 @@ static satin_status build_again(struct render *r, struct stats before,
     r->first_pass.maps = NULL;
     r->stats = before;
     stats_set(&r->stats, "photons.visibility_s", visibility_s);
-    return build(r, more.fraction, more.global);
+    return build_maps(r, more.fraction, more.global);
 }
 
 // The time of the steps that grow with the number of photons.
@@ -84,7 +84,7 @@ static bool can_trace_paths(const struct render *r) {
 // Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
     if (can_trace_paths(r)) render_limit_photon_pilot(r);
-    const satin_status status = build(r, fraction, 1.0);
+    const satin_status status = build_maps(r, fraction, 1.0);
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);
 }

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that names are defined once in include, src, bench and tests: static functions, static
-objects (constants and tables) and tags of structs, unions and enums name one thing, so that a
-search or a back-trace leads to one definition; that constants of one name have one value in all
-files of src; and that an option has one name, that of its field in satin_options, in the table of
-options, in docs/options.md and in the glossary.
+"""Checks that names are defined once in include, src, bench, tests and docs: static functions,
+static objects (constants and tables), tags of structs, unions and enums, and what is in the
+anonymous namespaces of C++ name one thing, so that a search or a back-trace leads to one
+definition. Objects inside functions are exempt: they are local variables that happen to be
+constant, which no back-trace names and a debugger shows after their function. Checks also that
+constants of one name have one value in all files of src; and that an option has one name, that of
+its field in satin_options, in the table of options, in docs/options.md and in the glossary.
 
 Usage: rules_names.py TREE
 """
@@ -13,7 +15,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ["include", "src", "bench", "tests"]
+FOLDERS = ["include", "src", "bench", "tests", "docs"]
 CODE = {".c", ".h", ".cpp"}
 # Names that still recur. The list may only shrink: one that no longer recurs is an error too.
 TO_DO = set("""
@@ -24,6 +26,10 @@ FUNCTION = re.compile(r"^static (?:inline )?(?:_Noreturn )?[\w \*]*?\b(\w+)\([^;
                       re.MULTILINE)
 INLINE_FUNCTION = re.compile(r"^INLINE [\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{", re.MULTILINE)
 TAG = re.compile(r"^(?:typedef |static |const )*(?:struct|union|enum) (\w+) \{", re.MULTILINE)
+# Without comments, only the bracket that ends a namespace has spaces after it.
+NAMESPACE = re.compile(r"^namespace \{\n(.*?)^\} +$", re.MULTILINE | re.DOTALL)
+IN_NAMESPACE = re.compile(r"^(?!static )\w[\w:<>\*& ]*?(?<!::)\b(\w+)\([^;{}]*?\)[\w ]*\{"
+                          r"|^(?:struct|class|union|enum) (\w+)[\w:<> ]* \{", re.MULTILINE)
 # What is in brackets is removed before, which leaves these empty.
 OBJECTS = re.compile(r"^static (?!inline\b)([\w \*\[\]\n{}]+(?:[=,][^;]*)?);", re.MULTILINE)
 OBJECT = re.compile(r"(\w+)(?:\[\])*\s*(?:=.*)?$", re.DOTALL)
@@ -86,6 +92,8 @@ def definitions(path):
     yield from INLINE_FUNCTION.findall(text)
     yield from TAG.findall(text)
     yield from objects(text)
+    for namespace in NAMESPACE.findall(text) if path.suffix == ".cpp" else []:
+        yield from ("".join(names) for names in IN_NAMESPACE.findall(namespace))
 
 
 def recurring(tree):
