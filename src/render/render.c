@@ -121,7 +121,8 @@ static satin_status prepare_second_pass(struct render *r) {
     if (!pass->cache) return SATIN_ERROR_MEMORY;
     pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
     if (!pass->fill) return SATIN_ERROR_MEMORY;
-    return shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache,
+    return shade_init(&pass->shade, &pass->gather, &pass->tables,
+                      render_steps(r)->interpolates ? pass->cache : NULL,
                       render_budget_missing(&r->options), r->pool);
 }
 

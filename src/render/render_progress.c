@@ -23,13 +23,14 @@ static const struct stage_report {
 const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }
 
 static const struct render_steps course_steps[] = {
-    [COURSE_TWO_PASS] = {SATIN_TWO_PASS, .photons = true, .tables = true, .records = true},
+    [COURSE_TWO_PASS] = {SATIN_TWO_PASS, .photons = true, .tables = true, .records = true,
+                         .interpolates = true},
     [COURSE_SHORT_PATHS] = {SATIN_TWO_PASS, .tables = true},
     [COURSE_PHOTONS] = {SATIN_PHOTONS, .photons = true},
     [COURSE_DIRECT] = {SATIN_DIRECT},
     [COURSE_PATHS] = {SATIN_PATH},
     [COURSE_WITHOUT_RECORDS] = {SATIN_TWO_PASS, .photons = true, .tables = true},
-    [COURSE_COARSE] = {SATIN_TWO_PASS, .coarse = true},
+    [COURSE_COARSE] = {SATIN_TWO_PASS, .interpolates = true, .coarse = true},
     [COURSE_COARSE_DIRECT] = {SATIN_DIRECT, .coarse = true},
 };
 
@@ -49,6 +50,7 @@ enum render_course render_first_course(const satin_options *options) {
 void render_take_course(struct render *r, enum render_course course) {
     r->progress.course = course;
     r->second_pass.options.integrator = course_steps[course].integrator;
+    r->second_pass.shade.interpolates = course_steps[course].interpolates;
 }
 
 const struct render_steps *render_steps(const struct render *r) {
@@ -68,8 +70,7 @@ static void report_now(struct render *r, double done) {
         .elapsed = at->last_report - at->start,
     };
     if (!r->callbacks.progress(r->callbacks.progress_user, &progress)) return;
-    at->cancelled = true;
-    at->cancelled_in = at->stage;
+    if (at->stage != STAGE_SETUP) at->cancelled_in = at->stage;
 }
 
 bool render_progress_report(struct render *r, double done) {

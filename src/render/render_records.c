@@ -109,10 +109,7 @@ satin_status render_records(struct render *r) {
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
-    if (!render_steps(r)->records) {
-        r->second_pass.shade.records.cache = NULL;
-        stats_set(&r->stats, "records.abandoned", 1.0);
-    }
+    if (!render_steps(r)->records) stats_set(&r->stats, "records.abandoned", 1.0);
     render_sites_free(&rounds.sites);
     fill_statistics(r->second_pass.fill, &r->stats);
     return status;

@@ -42,14 +42,14 @@ enum render_course {
 struct render_steps {
     satin_integrator integrator;  // by which the image is sampled
     bool photons, tables, records;
+    bool interpolates;  // where there are records, samples interpolate between them
     bool coarse;  // the image has only its first samples, and is completed after the cancellation
 };
 
 // The progress of the render, and what ends it: its deadline, or the caller, who may cancel it.
 struct render_progress {
     enum render_stage stage;         // current stage
-    bool cancelled;                  // by the caller
-    enum render_stage cancelled_in;  // the stage in which that was
+    enum render_stage cancelled_in;  // in which the caller cancelled; STAGE_SETUP: not cancelled
     enum render_course course;
     double start;        // wall clock at the beginning of the render
     double deadline;     // seconds after it at which the current loop is stopped; INFINITY: none
@@ -111,7 +111,9 @@ struct render {
 };
 
 // Whether the caller cancelled.
-static inline bool render_cancelled(const struct render *r) { return r->progress.cancelled; }
+static inline bool render_cancelled(const struct render *r) {
+    return r->progress.cancelled_in != STAGE_SETUP;
+}
 
 // ---- render_options.c: options and scene hints -> what is rendered
 satin_status render_resolve(struct render *r, const struct satin_scene *scene,
@@ -120,7 +122,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
 // ---- render_progress.c
 // The course of the render's options.
 enum render_course render_first_course(const satin_options *options);
-// Changes the course, and with it the integrator of the second pass.
+// Changes the course, and with it the integrator of the second pass and whether it reads records.
 void render_take_course(struct render *r, enum render_course course);
 // The steps of the render's present course; static storage.
 const struct render_steps *render_steps(const struct render *r);

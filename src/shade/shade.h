@@ -50,6 +50,7 @@ struct shade_missing {
 struct shade {
     const struct gather *g;
     struct cache_reader records;  // how the image pass reads them
+    bool interpolates;            // whether samples read the records; otherwise each gathers
     struct shade_missing missing;
     struct film_filter filter;
     float sharpness;               // width of a sample's footprint, in pixels; 0: a point
@@ -58,7 +59,8 @@ struct shade {
     int worker_count;
 };
 
-// `missing.rays` is at least 1 and at most SATIN_GLOSSY_SAMPLES_MAX.
+// Samples read the records of `cache`; NULL: there are none. `missing.rays` is at least 1 and at
+// most SATIN_GLOSSY_SAMPLES_MAX.
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct cache_tables *tables, const struct cache *cache,
                         struct shade_missing missing, struct parallel *pool);

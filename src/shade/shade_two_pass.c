@@ -49,7 +49,7 @@ static void gather_diffuse(struct shade_job *job) {
 static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *value) {
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
-    if (!s->records.cache) return false;
+    if (!s->interpolates) return false;
     if (!(value->known & PIXEL_IRRADIANCE)) {
         struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         at.gather_deviation = s->missing.deviation;
@@ -70,7 +70,7 @@ static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
-    if (!s->records.cache) return false;
+    if (!s->interpolates) return false;
     if (!(value->known & PIXEL_RADIANCE)) {
         struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         at.gather_deviation = s->missing.deviation;
@@ -259,7 +259,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     if (extra) sample_lights_by_brdf(job, extra, 1.0f / lights);
     job->sampler.dimension += 2;
     if (!indirect) return;
-    if (o->record_maps && job->shade->records.cache &&
+    if (o->record_maps && job->shade->interpolates &&
         cache_has_record_near(job->shade->records.cache, p->interaction.p, p->base.n,
                               job->vertex->pixel))
         job->out->record = 1.0f;

@@ -70,7 +70,7 @@ static void a_limit_that_is_over_is_no_cancellation(void **state) {
     assert_int_equal(render_limit_end(&r, SATIN_CANCELLED), SATIN_OK);
     assert_true(render_time_remains(&r));
     assert_int_equal(render_limit_end(&r, SATIN_ERROR_MEMORY), SATIN_ERROR_MEMORY);
-    r.progress.cancelled = true;
+    r.progress.cancelled_in = STAGE_RECORDS;
     assert_int_equal(render_limit_end(&r, SATIN_CANCELLED), SATIN_CANCELLED);
     parallel_free(r.pool);
 }
