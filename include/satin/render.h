@@ -21,7 +21,8 @@ extern "C" {
 //   denoising         if options->denoise asks for it
 // `done` is the fraction of the stage in [0, 1]. `rate` is the number of items of the stage per
 // second, and `unit` their name; they are 0 and "" if items are not counted. `elapsed` is in
-// seconds since the render began. Texts are static; the struct is valid during the call.
+// seconds since the render began. Texts are static, and a stage has the same pointer in all calls;
+// the struct is valid during the call.
 typedef struct satin_progress {
     const char *stage, *unit;
     double done, rate, elapsed;

@@ -186,8 +186,9 @@ void app_progress_start(struct app_progress *progress, bool quiet) {
 bool app_progress_update(void *user, const satin_progress *now) {
     struct app_progress *p = user;
     double time = stats_wall();
-    // A change of the stage ends the line of the stage before.
-    if (!p->stage || strcmp(p->stage, now->stage) != 0) {
+    // A change of the stage, which is one static text during all of it, ends the line of the stage
+    // before.
+    if (p->stage != now->stage) {
         finish_stage(p);
         p->stage = now->stage;
         p->stage_start = p->last;

@@ -46,8 +46,37 @@ struct parallel {
     double *worker_spent;       // CPU seconds of each worker in the current loop
     float spent[CHUNKS_NOTED];  // CPU seconds of its first chunks
     struct parallel_part part[PARALLEL_PARTS];
-    int parts, current;  // number of parts, and index of the current one in `part`
-    double wall, cpu;    // times of the two clocks up to which the current part is accounted for
+    enum parallel_part_id current;
+    double wall, cpu;  // times of the two clocks up to which the current part is accounted for
+};
+
+static const char *const part_names[PARALLEL_PARTS] = {
+    [PART_OTHER] = "other",
+    [PART_VIEW] = "view",
+    [PART_PHOTONS] = "photons",
+    [PART_TRACE] = "trace",
+    [PART_SORT] = "sort",
+    [PART_CLUSTERS] = "clusters",
+    [PART_INDEX] = "index",
+    [PART_ESTIMATE] = "estimate",
+    [PART_SMOOTH] = "smooth",
+    [PART_DIRECT] = "direct",
+    [PART_VISIBILITY] = "visibility",
+    [PART_TABLES] = "tables",
+    [PART_BOUNCES] = "bounces",
+    [PART_RECORDS] = "records",
+    [PART_SITES] = "sites",
+    [PART_CHOOSE] = "choose",
+    [PART_GATHER] = "gather",
+    [PART_INSERT] = "insert",
+    [PART_ADAPT] = "adapt",
+    [PART_PILOT] = "pilot",
+    [PART_IMAGE] = "image",
+    [PART_PLAN] = "plan",
+    [PART_RIMS] = "rims",
+    [PART_DENOISE] = "denoise",
+    [PART_FILM] = "film",
+    [PART_WRITE] = "write",
 };
 
 // Sets FTZ and DAZ: denormals cost hundreds of cycles each, and Embree asks for both flags on every
@@ -133,8 +162,7 @@ struct parallel *parallel_new(int threads) {
     pthread_cond_init(&pool->wake, NULL);
     pthread_cond_init(&pool->done, NULL);
     flush_denormals();
-    pool->parts = 1;
-    pool->part[0].name = "other";
+    pool->part[PART_OTHER].name = part_names[PART_OTHER];
     pool->wall = stats_wall();
     pool->cpu = stats_thread();
     pool->helpers = calloc((size_t)threads, sizeof *pool->helpers);
@@ -220,20 +248,16 @@ static void account_loop(struct parallel *pool) {
     pool->cpu = stats_thread();
 }
 
-const char *parallel_begin_part(struct parallel *pool, const char *name) {
-    const char *before = pool->part[pool->current].name;
+enum parallel_part_id parallel_begin_part(struct parallel *pool, enum parallel_part_id id) {
+    const enum parallel_part_id before = pool->current;
     account_serial(pool);
-    int i = 0;
-    while (i < pool->parts && strcmp(pool->part[i].name, name) != 0) i++;
-    if (i == PARALLEL_PARTS) i = 0;
-    if (i == pool->parts) pool->part[pool->parts++].name = name;
-    pool->current = i;
+    pool->part[id].name = part_names[id];
+    pool->current = id;
     return before;
 }
 
-const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
+const struct parallel_part *parallel_parts(struct parallel *pool) {
     account_serial(pool);
-    *count = pool->parts;
     return pool->part;
 }
 

@@ -115,27 +115,27 @@ static void parts_know_what_is_serial(void **state) {
     (void)state;
     for (int threads = 1; threads <= THREADS; threads++) {
         struct parallel *pool = parallel_new(threads);
-        assert_string_equal(parallel_begin_part(pool, "a"), "other");
+        assert_int_equal(parallel_begin_part(pool, PART_VIEW), PART_OTHER);
         work_for(0.004);
         assert_true(parallel_for(pool, 21, 1, parallel_work, NULL));
-        assert_string_equal(parallel_begin_part(pool, "b"), "a");
+        assert_int_equal(parallel_begin_part(pool, PART_TRACE), PART_VIEW);
         assert_true(parallel_for(pool, 1, 1, parallel_work, NULL));
-        assert_string_equal(parallel_begin_part(pool, "a"), "b");
+        assert_int_equal(parallel_begin_part(pool, PART_VIEW), PART_TRACE);
         work_for(0.003);
-        int count;
-        const struct parallel_part *part = parallel_parts(pool, &count);
-        assert_int_equal(count, 3);
-        assert_string_equal(part[1].name, "a");
-        assert_seconds(part[1].serial_s, 0.007);
-        assert_seconds(part[1].parallel_s, 0.030);
+        const struct parallel_part *part = parallel_parts(pool);
+        for (int i = 0; i < PARALLEL_PARTS; i++)
+            assert_true(!part[i].name == (i != PART_OTHER && i != PART_VIEW && i != PART_TRACE));
+        assert_string_equal(part[PART_VIEW].name, "view");
+        assert_seconds(part[PART_VIEW].serial_s, 0.007);
+        assert_seconds(part[PART_VIEW].parallel_s, 0.030);
         // 64 threads wait for the long chunk.
-        assert_seconds(part[1].imbalance_s, 0.010 - 0.030 / PARALLEL_MODEL);
-        assert_true(part[1].loops == 1.0);
-        assert_seconds(part[2].serial_s, 0.0);
-        assert_seconds(part[2].parallel_s, 0.010);
-        assert_seconds(part[2].imbalance_s, 0.010 - 0.010 / PARALLEL_MODEL);
-        assert_true(part[2].loops == 0.0);
-        assert_true(part[1].wall_s >= 0.007 + 0.010);
+        assert_seconds(part[PART_VIEW].imbalance_s, 0.010 - 0.030 / PARALLEL_MODEL);
+        assert_true(part[PART_VIEW].loops == 1.0);
+        assert_seconds(part[PART_TRACE].serial_s, 0.0);
+        assert_seconds(part[PART_TRACE].parallel_s, 0.010);
+        assert_seconds(part[PART_TRACE].imbalance_s, 0.010 - 0.010 / PARALLEL_MODEL);
+        assert_true(part[PART_TRACE].loops == 0.0);
+        assert_true(part[PART_VIEW].wall_s >= 0.007 + 0.010);
         parallel_free(pool);
     }
 }
