@@ -69,14 +69,14 @@ static void curve_any(const struct RTCFilterFunctionNArguments *args) {
 
 static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
     const struct accel *accel = args->geometryUserPtr;
-    float lo[3], hi[3];
-    quadric_bounds(&accel->quadric[args->primID], lo, hi);
-    args->bounds_o->lower_x = lo[0];
-    args->bounds_o->lower_y = lo[1];
-    args->bounds_o->lower_z = lo[2];
-    args->bounds_o->upper_x = hi[0];
-    args->bounds_o->upper_y = hi[1];
-    args->bounds_o->upper_z = hi[2];
+    vec3 lo, hi;
+    quadric_bounds(&accel->quadric[args->primID], &lo, &hi);
+    args->bounds_o->lower_x = lo.x;
+    args->bounds_o->lower_y = lo.y;
+    args->bounds_o->lower_z = lo.z;
+    args->bounds_o->upper_x = hi.x;
+    args->bounds_o->upper_y = hi.y;
+    args->bounds_o->upper_z = hi.z;
 }
 
 static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float *t) {

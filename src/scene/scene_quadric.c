@@ -66,7 +66,8 @@ bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out
     return true;
 }
 
-void quadric_bounds(const struct quadric *q, float lo[3], float hi[3]) {
+void quadric_bounds(const struct quadric *q, vec3 *lo, vec3 *hi) {
+    float from[3], to[3];
     for (int i = 0; i < 3; i++) {
         const double *m = q->to_world[i];
         double middle = m[3], half = sqrt(m[0] * m[0] + m[1] * m[1]);
@@ -79,9 +80,11 @@ void quadric_bounds(const struct quadric *q, float lo[3], float hi[3]) {
             low += fmin(m[2], 0.0);
             high += fmax(m[2], 0.0);
         }
-        lo[i] = nextafterf((float)low, -FLT_MAX);
-        hi[i] = nextafterf((float)high, FLT_MAX);
+        from[i] = nextafterf((float)low, -FLT_MAX);
+        to[i] = nextafterf((float)high, FLT_MAX);
     }
+    *lo = v3(from[0], from[1], from[2]);
+    *hi = v3(to[0], to[1], to[2]);
 }
 
 // The real roots of a t^2 + 2 b t + c, ascending, computed around the vertex of the parabola. False

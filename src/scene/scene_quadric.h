@@ -19,7 +19,7 @@ struct quadric {
 // False if the transform of the shape has no inverse, or if the radius of a sphere is 0.
 bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out);
 // A box around the surface, rounded outwards.
-void quadric_bounds(const struct quadric *quadric, float lo[3], float hi[3]);
+void quadric_bounds(const struct quadric *quadric, vec3 *lo, vec3 *hi);
 // The nearest crossing in (tnear, tfar) along o + t d.
 bool quadric_intersect(const struct quadric *quadric, vec3 o, vec3 d, float tnear, float tfar,
                        float *t);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transform, area and bounds of every kind of shape.
-#include "scene/scene.h"
+#include "scene/scene_quadric.h"
 
 // ---- Spheres, disks, cylinders ------------------------------------------------------------------
 
@@ -76,8 +76,7 @@ static void add_corner(vec3 p, vec3 *lo, vec3 *hi) {
 }
 
 void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi) {
-    const vec3 r = v3(shape->radius, shape->radius, shape->radius);
-    const float height = shape->kind == SHAPE_CYLINDER ? 1.0f : 0.0f;
+    struct quadric quadric;
     *lo = v3(INFINITY, INFINITY, INFINITY);
     *hi = v3_neg(*lo);
     switch (shape->kind) {
@@ -93,16 +92,9 @@ void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi) {
             }
             return;
         case SHAPE_SPHERE:
-            *lo = v3_sub(shape->centre, r);
-            *hi = v3_add(shape->centre, r);
-            return;
         case SHAPE_DISK:
-        case SHAPE_CYLINDER:  // a box around the transformed corners of its box
-            for (int i = 0; i < 8; i++)
-                add_corner(
-                    mat4_point(&shape->to_world, v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f,
-                                                    i & 4 ? height : 0.0f)),
-                    lo, hi);
+        case SHAPE_CYLINDER:
+            if (quadric_make(shape, 0, &quadric)) quadric_bounds(&quadric, lo, hi);
             return;
     }
 }

@@ -40,8 +40,8 @@ static void rays_hit_quadrics_exactly(void **state) {
         m = mat4_mul(&rotation, &scale);
         m = mat4_mul(&move, &m);
         struct quadric q = scene_quadric_make(kind, m, i & 2);
-        float lo[3], hi[3];
-        quadric_bounds(&q, lo, hi);
+        vec3 lo, hi;
+        quadric_bounds(&q, &lo, &hi);
         int hits = 0;
         for (int k = 0; k < 200; k++) {
             float far = k & 1 ? 1000.0f : 3.0f;
@@ -58,8 +58,8 @@ static void rays_hit_quadrics_exactly(void **state) {
             assert_float_equal(v3_len(s2.ng), 1.0f, 1e-6f);
             assert_float_equal(v3_dot(s2.frame.u, s2.frame.n), 0.0f, 1e-6f);
             assert_true(s2.uv.x >= 0 && s2.uv.x <= 1 && s2.uv.y >= 0 && s2.uv.y <= 1);
-            assert_true(s2.p.x >= lo[0] && s2.p.y >= lo[1] && s2.p.z >= lo[2]);
-            assert_true(s2.p.x <= hi[0] && s2.p.y <= hi[1] && s2.p.z <= hi[2]);
+            assert_true(s2.p.x >= lo.x && s2.p.y >= lo.y && s2.p.z >= lo.z);
+            assert_true(s2.p.x <= hi.x && s2.p.y <= hi.y && s2.p.z <= hi.z);
             // It is the nearest crossing, and the limits are respected.
             float other;
             assert_false(quadric_intersect(&q, ray.o, ray.d, 0.0f, t * 0.99999f, &other));

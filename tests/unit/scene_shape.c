@@ -98,6 +98,13 @@ static void bounds_hold_every_shape(void **state) {
         assert_near3(lo, v3(-1, 0, 3 + side[i][0]), 1e-6f);
         assert_near3(hi, v3(3, 4, 3 + side[i][1]), 1e-6f);
     }
+    // The box is that of the disk, which is smaller than that of its rotated square.
+    const uint32_t rotated =
+        test_quadric(&t, SHAPE_DISK, mat4_rotate(v3(0, 0, 1), 45.0f), false, grey);
+    vec3 lo, hi;
+    scene_shape_bounds(&t.shape[rotated], &lo, &hi);
+    assert_near3(lo, v3(-1, -1, 0), 1e-6f);
+    assert_near3(hi, v3(1, 1, 0), 1e-6f);
     test_scene_free(&t);
 }
 
