@@ -358,7 +358,7 @@ bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
 // Moves a surface point at least `margin` away from the edges of its triangle, or towards the
 // centre of a triangle that is too small for that, by no more than `margin`. Points of other shapes
 // are not moved.
-vec3 scene_shift_origin(const struct satin_scene *scene, const struct interaction *s, float margin);
+vec3 scene_origin_shift(const struct satin_scene *scene, const struct interaction *s, float margin);
 
 // A ray that leaves a surface point in direction d. Its origin is moved off the surface, to the
 // side of d, by a bound of the rounding error there, so that it does not hit the surface that it
@@ -441,7 +441,8 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
 // (scene_camera_check.c).
 void camera_check(const struct satin_scene *scene, struct log log);
 
-// ---- Filter (scene_filter.c) --------------------------------------------------------------------
+// ---- Filter (scene_film_filter.c)
+// ------------------------------------------------------------------
 
 // Draws an offset from a pixel's centre by u from a film filter without negative lobes, truncated
 // so that the position stays inside [lo, hi), the crop window. At the border that equals a

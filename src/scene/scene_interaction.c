@@ -160,7 +160,7 @@ void interaction_triangle(const struct satin_scene *scene, const struct shape *s
     out->frame = hit->tangent ? frame_from_tangent(n, out->dp_du) : frame_from_normal(n);
 }
 
-vec3 scene_shift_origin(const struct satin_scene *scene, const struct interaction *s,
+vec3 scene_origin_shift(const struct satin_scene *scene, const struct interaction *s,
                         float margin) {
     const struct shape *shape = &scene->shape[s->shape];
     if (shape->kind != SHAPE_MESH || !(margin > 0.0f)) return s->p;

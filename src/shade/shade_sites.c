@@ -55,7 +55,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
         if (!kinds) continue;
         struct fill_site *site = &out[count++];
         *site = (struct fill_site){
-            .p = g->options->origin_shift ? scene_shift_origin(g->scene, s, SHIFT_PIXELS * v->pixel)
+            .p = g->options->origin_shift ? scene_origin_shift(g->scene, s, SHIFT_PIXELS * v->pixel)
                                           : s->p,
             .ng = s->ng,
             .frame = v->point.base,

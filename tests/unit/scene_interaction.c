@@ -250,7 +250,7 @@ static void origins_are_shifted_off_edges(void **state) {
         struct ray ray = {position[i], 0.0f, v3(0, 0, -1), INFINITY};
         struct interaction s;
         assert_true(scene_intersect(&t.scene, &ray, &s));
-        vec3 p = scene_shift_origin(&t.scene, &s, margin);
+        vec3 p = scene_origin_shift(&t.scene, &s, margin);
         float moved = v3_len(v3_sub(p, s.p));
         assert_true(moved <= margin * 1.001f && fabsf(p.z) < 1e-6f);
         if (i == 0) assert_true(fabsf(p.y + 1.0f - margin) < 0.02f * margin && moved > 0.008f);

@@ -9,7 +9,7 @@
 
 #include "scene/scene.h"
 
-static float scene_filter_value(const struct film_spec *film, float x) {
+static float scene_film_filter_value(const struct film_spec *film, float x) {
     float s = 2 * film->stddev * film->stddev;
     if (film->filter == FILTER_TENT) return fmaxf(film->radius - fabsf(x), 0);
     if (film->filter == FILTER_GAUSSIAN)
@@ -33,8 +33,8 @@ static void filter_samples_are_distributed(void **state) {
             double total = 0, left = 0;
             for (int i = 0; i < STEPS; i++) {
                 float x = 100.0f * ((float)i + 0.5f) / STEPS;
-                total += scene_filter_value(&films[f], x - centre);
-                if (x < at) left += scene_filter_value(&films[f], x - centre);
+                total += scene_film_filter_value(&films[f], x - centre);
+                if (x < at) left += scene_film_filter_value(&films[f], x - centre);
             }
             int below = 0;
             for (int i = 0; i < COUNT; i++) {
