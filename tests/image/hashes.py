@@ -6,7 +6,8 @@ after it.
 
 Usage: hashes.py SATIN [OTHER]
 With one program, prints a line `hash scene options` for each image. With two, prints those that
-differ and exits 1 if there are any.
+differ and exits 1 if there are any. A render that fails is an error, also if both programs fail
+alike: it is printed, and the exit status is 2.
 
 Every scene is rendered by three integrators at 48x48, by two passes at quality draft. The larger
 images are for what these do not show: the other two qualities, batches of more records than the
@@ -35,6 +36,10 @@ LARGER = [("cases/metal-room.xml", 96, "--quality production"),
           ("cornell-glossy.xml", 48, "--quality draft --first-pass recursive")]
 
 
+class RenderFailed(Exception):
+    """A render that ended without an image."""
+
+
 def pixels(data):
     """The content of an EXR file without its metadata: channels, their order, and chunks."""
     at, attributes = 8, {}
@@ -55,7 +60,8 @@ def hash_of(satin, scene, side, options):
             [satin, "render", SCENES / scene, "-o", out, "--width", str(side),
              "--height", str(side), *options.split(), *COMMON], capture_output=True, text=True)
         if done.returncode:
-            return f"exit {done.returncode}: {done.stderr.strip()}"
+            raise RenderFailed(f"{satin} {scene} {side}x{side} {options}: exit {done.returncode}: "
+                               f"{done.stderr.strip()}")
         return hashlib.sha256(pixels(out.read_bytes())).hexdigest()[:16]
 
 
@@ -81,4 +87,8 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except RenderFailed as failed:
+        print(failed, file=sys.stderr)
+        sys.exit(2)
