@@ -214,8 +214,9 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     if (has_records(g)) return none;
     float radius;
     int entry;
-    const rgb E = photon_irradiance_after(g->maps, g->scene, z->y->interaction.p, z->y->ng,
-                                          z->bounce, &radius, &entry);
+    rgb E;
+    photon_irradiance_many(g->maps, g->scene, 1, &z->y->interaction.p, &z->y->ng, z->bounce, &E,
+                           &radius, &entry);
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
                                     gather_is_reliable(g, radius, near),

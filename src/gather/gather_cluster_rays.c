@@ -13,10 +13,12 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
     if (!g->options->guide_clusters) return;
     out->near.found = -1;
     if (!g->clusters) return;
+    rgb E;
     float *expected = &out->near.expected, radius, density;
-    *expected =
-        rgb_luminance(photon_irradiance(g->maps, g->scene, site->p, site->ng, &radius, NULL));
-    guide_rays_make(g->clusters, g->scene, &at, h->stratified, expected, &out->to);
+    photon_irradiance_many(g->maps, g->scene, 1, &site->p, &site->ng, 0, &E, &radius, NULL);
+    *expected = rgb_luminance(E);
+    out->to.count = guide_cones_from(g->clusters, g->scene, &at, out->to.cone, expected);
+    guide_rays_allocate(&out->to, *expected, h->stratified);
     struct guide_draw draw = {.stream = site->stream, .n = site->frame.n};
     vec3 w;
     for (size_t i = h->stratified; guide_rays_draw(&out->to, &draw, &w, &density); i++) {

@@ -43,7 +43,7 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
         if (!precomputed) hits->E[i] = density_irradiance(g, y, &hits->radius[i]);
     }
     if (precomputed)
-        photon_irradiance_many(g->maps, g->scene, count, hits->p, hits->n, hits->E, hits->radius,
+        photon_irradiance_many(g->maps, g->scene, count, hits->p, hits->n, 0, hits->E, hits->radius,
                                hits->entry);
 }
 

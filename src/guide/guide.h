@@ -164,12 +164,7 @@ struct guide_rays {
     int first[GUIDE_CONES];      // index of a cone's first ray, in the order of drawing
     int count;                   // number of cones
 };
-// Finds the cones that are visible from the point and allocates rays to them. `expected` as in
-// guide_cones_from. There are none if `clusters` is NULL.
-void guide_rays_make(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                     const struct guide_point *at, size_t stratified, float *expected,
-                     struct guide_rays *out);
-// Allocates rays to the cones, and drops cones that get none.
+// Allocates rays to the `count` cones of guide_cones_from, and drops cones that get none.
 void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratified);
 
 // The state of drawing rays. The caller sets the first two members; the others are 0 before the

@@ -15,17 +15,19 @@
 #define UNIFORM_LEAST 0.4f
 #define FILLED 0.2f  // fraction of a sphere's disc that its leaves should fill
 
-// Whether photon i of the node's sample of photons is visible from the point.
-static bool sees_photon(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                        const struct guide_cluster *node, const struct guide_point *at, size_t i) {
+// Makes the ray from the point to photon i of the node's sample of photons. False if the photon is
+// below the horizon.
+static bool ray_to_photon(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                          const struct guide_cluster *node, const struct guide_point *at, size_t i,
+                          struct ray *out) {
     vec3 position =
         clusters->position[node->first + (2 * i + 1) * node->count / (2 * GUIDE_PROBES)];
     vec3 d = v3_sub(position, at->p);
     float distance = v3_len(d);
     if (!(v3_dot(d, at->n) > 0.0f)) return false;
-    struct ray ray = scene_spawn(scene, at->p, at->ng, v3_mul(d, 1.0f / distance));
-    ray.tfar = 0.999f * distance;
-    return !scene_occluded(scene, &ray);
+    *out = scene_spawn(scene, at->p, at->ng, v3_mul(d, 1.0f / distance));
+    out->tfar = 0.999f * distance;
+    return true;
 }
 
 static void aim_cone(struct guide_cone *cone, vec3 p) {
@@ -71,20 +73,14 @@ static struct candidate candidate_of(const struct guide_cluster *node, const str
     return candidate;
 }
 
-// Makes the cone of a node. False if no probe of the node is visible, or if it contributes nothing.
-static bool make_cone(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                      const struct guide_point *at, const struct guide_cluster *node,
-                      struct guide_cone *out) {
+// The cone of a node from the point, as if all of it were visible.
+static struct guide_cone cone_of(const struct guide_cluster *node, const struct guide_point *at) {
     const vec3 d = v3_sub(node->centre, at->p);
     const float distance = v3_len(d), sine = node->radius / distance;
-    *out = (struct guide_cone){.cluster = node, .centre = node->centre, .radius = node->radius};
-    aim_cone(out, at->p);
-    estimate_cone(out, distance, fmaxf(v3_dot(d, at->n) / distance, 0.25f * sine));
-    if (!(out->E > 0.0f)) return false;
-    int clear = 0;
-    for (size_t i = 0; i < GUIDE_PROBES; i++) clear += sees_photon(clusters, scene, node, at, i);
-    out->E *= (float)clear / GUIDE_PROBES;
-    return out->E > 0.0f;
+    struct guide_cone cone = {.cluster = node, .centre = node->centre, .radius = node->radius};
+    aim_cone(&cone, at->p);
+    estimate_cone(&cone, distance, fmaxf(v3_dot(d, at->n) / distance, 0.25f * sine));
+    return cone;
 }
 
 // Replaces, as long as they fit, the coarse candidate with the largest bound by those of its
@@ -117,9 +113,19 @@ int guide_cones_from(const struct guide_clusters *clusters, const struct satin_s
     struct candidate candidate[GUIDE_CONES];
     const int candidates = refine(clusters, at, *expected, candidate);
     int count = 0;
-    for (int i = 0; i < candidates; i++)
-        if (candidate[i].narrow && candidate[i].most > 0.0f)
-            count += make_cone(clusters, scene, at, candidate[i].node, &out[count]);
+    for (int i = 0; i < candidates; i++) {
+        const struct guide_cluster *node = candidate[i].node;
+        if (!candidate[i].narrow || !(candidate[i].most > 0.0f)) continue;
+        struct guide_cone cone = cone_of(node, at);
+        if (!(cone.E > 0.0f)) continue;
+        int clear = 0;
+        struct ray ray;
+        for (size_t k = 0; k < GUIDE_PROBES; k++)
+            clear +=
+                ray_to_photon(clusters, scene, node, at, k, &ray) && !scene_occluded(scene, &ray);
+        cone.E *= (float)clear / GUIDE_PROBES;
+        if (cone.E > 0.0f) out[count++] = cone;
+    }
     return count;
 }
 
@@ -151,5 +157,7 @@ bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n) {
 
 bool guide_cone_visible(const struct guide_clusters *clusters, const struct satin_scene *scene,
                         const struct guide_cone *cone, const struct guide_point *at, size_t i) {
-    return sees_photon(clusters, scene, cone->cluster, at, i);
+    struct ray ray;
+    return ray_to_photon(clusters, scene, cone->cluster, at, i, &ray) &&
+           !scene_occluded(scene, &ray);
 }

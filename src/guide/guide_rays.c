@@ -51,13 +51,6 @@ void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratif
     rays->count = kept;
 }
 
-void guide_rays_make(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                     const struct guide_point *at, size_t stratified, float *expected,
-                     struct guide_rays *out) {
-    out->count = clusters ? guide_cones_from(clusters, scene, at, out->cone, expected) : 0;
-    if (out->count > 0) guide_rays_allocate(out, *expected, stratified);
-}
-
 vec3 guide_cone_sample(const struct guide_cone *cone, vec2 u) {
     const struct frame frame = frame_from_normal(cone->axis);
     return frame_to_world(&frame, sample_uniform_cone(u.x, u.y, cone->versine));

@@ -50,17 +50,15 @@ void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 // orientation of n and is not behind a wall.
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius, int *entry);
-// The estimate of photon_irradiance for a path from the eye with `bounces` more segments than to
-// the hit of a gather ray: without photons that have bounced so often that the whole path would be
-// longer than max_depth. For `bounces` over 1, the fraction of the light that is left out is
-// assumed to be the same for each bounce.
-rgb photon_irradiance_after(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                            vec3 n, int bounces, float *radius, int *entry);
 // Looks up photon_irradiance for many points; arrays of `count`. *entry is the entry of the point's
-// surroundings, or -1 if none is as near as the spacing of the photons.
+// surroundings, or -1 if none is as near as the spacing of the photons; `entry` may be NULL. The
+// points are those of paths from the eye with `bounces` more segments than to the hit of a gather
+// ray: photons that have bounced so often that the whole path would be longer than max_depth are
+// left out. For `bounces` over 1, their fraction of the light is assumed to be the same for each
+// bounce.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
-                            int *entry);
+                            size_t count, const vec3 *p, const vec3 *n, int bounces, rgb *E,
+                            float *radius, int *entry);
 // The precomputed entries of irradiance: their number, and the position and unit normal of one.
 size_t photon_irradiance_count(const struct photon_maps *maps);
 void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n);

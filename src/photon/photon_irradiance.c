@@ -259,28 +259,38 @@ static bool has_orientation(const struct photon_irradiance *r, int row, vec3 n) 
     return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
 }
 
-// Whether the position is visible from p, along a ray a little above the surface.
-static bool is_visible(vec3 position, const struct satin_scene *scene, vec3 p, vec3 n) {
+// Makes the ray from p to the position, a little above the surface. False if they are equal.
+static bool ray_to_position(vec3 position, const struct satin_scene *scene, vec3 p, vec3 n,
+                            struct ray *out) {
     vec3 d = v3_sub(position, p);
     float distance = v3_len(d);
-    if (!(distance > 0.0f)) return true;
-    struct ray ray = scene_spawn(scene, p, n, n);
-    ray.o = v3_mad(ray.o, LIFT * distance, n);
-    ray.d = v3_mul(d, 1.0f / distance);
-    ray.tfar = distance;
-    return !scene_occluded(scene, &ray);
+    if (!(distance > 0.0f)) return false;
+    *out = scene_spawn(scene, p, n, n);
+    out->o = v3_mad(out->o, LIFT * distance, n);
+    out->d = v3_mul(d, 1.0f / distance);
+    out->tfar = distance;
+    return true;
 }
 
 bool photon_irradiance_sees(const struct photon_irradiance *r, const struct satin_scene *scene,
                             int entry, vec3 p, vec3 n) {
-    return is_visible(photon_entry_position(&r->position, (size_t)entry), scene, p, n);
+    const vec3 position = photon_entry_position(&r->position, (size_t)entry);
+    struct ray ray;
+    return !(ray_to_position(position, scene, p, n, &ray) && scene_occluded(scene, &ray));
+}
+
+// Makes the ray from p to position i. False if nothing can be between them.
+static bool ray_to_entry(const struct photon_positions *positions, const struct satin_scene *scene,
+                         size_t i, vec3 p, vec3 n, struct ray *out) {
+    const vec3 position = photon_entry_position(positions, i);
+    const float clear = positions->clear[i];
+    return v3_dist2(position, p) > clear * clear && ray_to_position(position, scene, p, n, out);
 }
 
 bool photon_entry_position_hidden(const struct photon_positions *positions,
                                   const struct satin_scene *scene, size_t i, vec3 p, vec3 n) {
-    const vec3 position = photon_entry_position(positions, i);
-    const float clear = positions->clear[i];
-    return v3_dist2(position, p) > clear * clear && !is_visible(position, scene, p, n);
+    struct ray ray;
+    return ray_to_entry(positions, scene, i, p, n, &ray) && scene_occluded(scene, &ray);
 }
 
 bool photon_irradiance_sparse(const struct photon_irradiance *r, int entry) {
@@ -352,9 +362,11 @@ static rgb fraction_within(const struct photon_irradiance *r, int row, int bounc
     return fraction;
 }
 
-static void look_up_photons(const struct photon_irradiance *r, const struct satin_scene *scene,
+void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, int bounces, rgb *E,
                             float *radius, int *entry) {
+    const struct photon_irradiance *r = &maps->irradiance;
+    struct ray ray;
     float query[6 * IRRADIANCE_BATCH], distance2[IRRADIANCE_BATCH];
     int row[IRRADIANCE_BATCH];
     for (size_t at = 0; at < count; at += IRRADIANCE_BATCH) {
@@ -368,7 +380,8 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
             size_t j = at + i;
             if (row[i] >= 0 &&
                 (!has_orientation(r, row[i], n[j]) ||
-                 photon_entry_position_hidden(&r->position, scene, (size_t)row[i], p[j], n[j])))
+                 (ray_to_entry(&r->position, scene, (size_t)row[i], p[j], n[j], &ray) &&
+                  scene_occluded(scene, &ray))))
                 // If that entry is far, continuing paths is faster than a longer search.
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
@@ -378,12 +391,6 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
             if (entry) entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
         }
     }
-}
-
-void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
-                            int *entry) {
-    look_up_photons(&maps->irradiance, scene, count, p, n, 0, E, radius, entry);
 }
 
 size_t photon_irradiance_count(const struct photon_maps *maps) { return maps->irradiance.count; }
@@ -414,12 +421,7 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius, int *entry) {
-    return photon_irradiance_after(maps, scene, p, n, 0, radius, entry);
-}
-
-rgb photon_irradiance_after(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                            vec3 n, int bounces, float *radius, int *entry) {
     rgb E;
-    look_up_photons(&maps->irradiance, scene, 1, &p, &n, bounces, &E, radius, entry);
+    photon_irradiance_many(maps, scene, 1, &p, &n, 0, &E, radius, entry);
     return E;
 }

@@ -7,9 +7,9 @@ most CALLS_MAX calls; no step calls one before it; and of two that one function 
 it names first comes first. Calls are read from the text: a function calls what its body names, and
 what is in the tables of functions that it names.
 
-A record's first stratified ray is at most RAY_CALLS_MAX calls below satin_render, where it is given
-to the library that traces it, and the tour names each; so are those to the first of the shadow rays
-to photon clusters that may precede it.
+The first rays of a record are at most RAY_CALLS_MAX calls below satin_render, where they are given
+to the library that traces them, and the tour names each call: the first stratified ray, the first
+probe of a photon cluster, and the visibility ray of the irradiance that the record expects.
 
 Usage: rules_walk.py TREE
 """
@@ -19,8 +19,9 @@ import sys
 
 STEPS_MAX, CALLS_MAX = 15, 6
 RAY_CALLS_MAX = 8
-# The functions between which the tour names all calls, of which there are at most RAY_CALLS_MAX.
-RAYS = [("satin_render", "scene_intersect"), ("gather_hemisphere_trace", "scene_occluded")]
+# For each first ray the function that traces it, and the one that calls this.
+RAYS = [("scene_intersect", "gather_segment_trace"), ("scene_occluded", "guide_cones_from"),
+        ("scene_occluded", "photon_irradiance_many")]
 NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight"]
 MAIN = "satin_render"
 TABLE = "[]"  # ends the name of a table of functions
@@ -114,20 +115,23 @@ def wrong_order(graph, title, names, others):
             yield f"{title}: {name} is called before {names[at - 1]}"
 
 
-def wrong_ray(graph, text, begin, end):
-    """What is wrong with the tour's list of the calls from `begin` to `end`, which traces a ray."""
-    found = re.search(rf"From `{begin}` to `{end}`,[^:]* (\w+) calls: ([^.]*) itself\.",
-                      re.sub(r"\s+", " ", text))
-    names = re.findall(r"`(\w+)`", found.group(2)) if found else []
-    if not names or names[-1] != end:
-        yield f"the calls from {begin} to {end} are not listed"
+def wrong_ray(graph, text, end, last):
+    """What is wrong with the tour's list of the calls from MAIN to `end`, which `last` calls."""
+    lists = re.findall(rf"From `{MAIN}` to `{end}`,[^:]* (\w+) calls: ([^.]*) itself\.",
+                       re.sub(r"\s+", " ", text))
+    found = [(count, names) for count, names in
+             ((count, re.findall(r"`(\w+)`", names)) for count, names in lists)
+             if names[-2:] == [last, end]]
+    if len(found) != 1:
+        yield f"the calls from {MAIN} through {last} to {end} are not listed"
         return
-    for caller, called in zip([begin, *names], names):
+    count, names = found[0]
+    for caller, called in zip([MAIN, *names], names):
         calls = chain(graph, caller, called)
         if not calls or count_calls(calls) != 1:
             yield f"{caller} does not call {called}"
-    if len(names) > RAY_CALLS_MAX or NUMBERS[len(names)] != found.group(1):
-        yield f"{len(names)} calls to {end} are not {found.group(1)}, or are too many"
+    if len(names) > RAY_CALLS_MAX or NUMBERS[len(names)] != count:
+        yield f"{len(names)} calls through {last} to {end} are not {count}, or are too many"
 
 
 def walks(text):
@@ -166,7 +170,7 @@ def main():
     graph = call_graph(tree)
     text = (tree / "docs/tour.md").read_text(encoding="utf-8")
     found = walks(text)
-    wrong = [f"docs/tour.md: {w}" for ends in RAYS for w in wrong_ray(graph, text, *ends)]
+    wrong = [f"docs/tour.md: {w}" for ray in RAYS for w in wrong_ray(graph, text, *ray)]
     wrong += [f"docs/tour.md has no walk '{title}'" for title in sorted(WALKS - found.keys())]
     for title, steps in found.items():
         wrong += [f"docs/tour.md: {w}" for w in wrong_steps(tree, title, steps)]
