@@ -53,7 +53,8 @@ def size_tables(tree):
             functions += [(length, name) for _, length in function_lengths(content)]
             total += len(content)
         lines.append(f"| {folder} | {len(found)} | {total:,} |")
-    return lines + ["", "| | number | median | 99th percentile | longest |", "|---|---|---|---|---|",
+    return lines + ["", "| | number | median | 99th percentile | longest |",
+                    "|---|---|---|---|---|",
                     summary("files, generated tables aside", files),
                     summary("functions", functions)]
 
