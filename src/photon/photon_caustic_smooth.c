@@ -7,7 +7,8 @@
 //
 // A site is at a random position beside a photon, so far that its estimate does not contain it:
 // estimates at photons are too high, and without the photon they would be too low, as photons are
-// distributed more uniformly than at random.
+// distributed more uniformly than at random. The kernel of sites has the radius of their disc: on a
+// plane this is unbiased, and has less noise than kernels of the photons' own radii.
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -93,7 +94,8 @@ static void estimate_site(const struct estimating *job, size_t site, int *row, f
                                        n,
                                        what->k,
                                        what->kernel,
-                                       what->area ? AREA_IF_NEEDED : AREA_WHOLE};
+                                       what->area ? AREA_IF_NEEDED : AREA_WHOLE,
+                                       NULL};
     const float at[3] = {p.x, p.y, p.z};
     struct photon_disc disc;
     photon_index_nearest(what->map->index, at, 1, what->k, photon_map_far2(what->map), row,

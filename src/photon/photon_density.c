@@ -3,7 +3,9 @@
 // the surface, or on a surface of another orientation or layer, are not counted, and the disc is
 // divided by the area of the surface in it (photon_area.c). The radius is that of the outermost
 // photon, which is not counted: the k - 1 others are uniform in the disc, so their number over its
-// area is an unbiased density, while k over the area is too high by 1 / (k - 1).
+// area is an unbiased density, while k over the area is too high by 1 / (k - 1). In the caustic map
+// each photon has a kernel of its own radius (photon_radii.c), and counts only in the discs in
+// which it is among the k nearest.
 #include "photon/photon_map.h"
 
 // Largest distance of a photon from the plane of the disc, as a fraction of its radius.
@@ -24,19 +26,16 @@ static bool is_counted(const struct photon_disc *disc, int i) {
     return disc->row[i] >= 0 && disc->distance2[i] < disc->r2;
 }
 
-// The squared radius: that of the outermost of k photons, or the map's limit if that is smaller or
-// if the map has fewer photons.
-static float disc_radius2(const struct photon_query *query, const int *row,
-                          const float *distance2) {
+float photon_radius2(const struct photon_map *map, const int *row, const float *distance2, int k) {
     float far2 = 0.0f;
     bool full = true;
-    for (int i = 0; i < query->k; i++) {
+    for (int i = 0; i < k; i++) {
         if (row[i] < 0)
             full = false;
         else
             far2 = fmaxf(far2, distance2[i]);
     }
-    float most = query->map->radius_max;
+    const float most = map->radius_max;
     return full ? fminf(far2, most * most) : most * most;
 }
 
@@ -113,9 +112,10 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     out->count = query->k;
     out->row = row;
     out->distance2 = distance2;
+    out->radius2 = query->radius2;
     out->corrected = false;
     out->scale = 0.0f;
-    out->r2 = disc_radius2(query, row, distance2);
+    out->r2 = photon_radius2(query->map, row, distance2, query->k);
     out->r = sqrtf(out->r2);
     if (!(out->r > 0.0f)) return;
     float fraction = 1.0f;
@@ -137,8 +137,10 @@ float photon_disc_weight(const struct photon_disc *disc, int i) {
         vec3 d = v3_sub(photon_position(disc->map, (size_t)disc->row[i]), disc->p);
         if (!photon_area_has(&disc->area, d, disc->r)) return 0.0f;
     }
-    float q = disc->distance2[i] / disc->r2;
-    return disc->scale * photon_kernel_weight(disc->kernel, q);
+    const float r2 = disc->radius2 ? disc->radius2[disc->row[i]] : disc->r2,
+                d2 = disc->distance2[i];
+    if (!(d2 < r2)) return 0.0f;
+    return disc->scale * (disc->r2 / r2) * photon_kernel_weight(disc->kernel, d2 / r2);
 }
 
 rgb photon_disc_irradiance(const struct photon_disc *disc) {
@@ -238,7 +240,8 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                                  ng,
                                  maps->photon_k,
                                  KERNEL_FLAT,
-                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
+                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
+                                 NULL};
     struct reflection at = {frame, brdf, wo, lobes};
     return estimate(&query, &at, radius, NULL);
 }
@@ -287,7 +290,8 @@ static struct photon_query caustic_query(const struct photon_maps *maps,
                                  ng,
                                  maps->caustic_k,
                                  KERNEL_PARABOLA,
-                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
+                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
+                                 maps->caustic.radius2};
 }
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,

@@ -56,7 +56,8 @@ static struct photon_query query_of(const struct photon_precompute *what, size_t
                                  photon_unpack(what->map->photon[i].n),
                                  what->k,
                                  what->kernel,
-                                 AREA_WHOLE};
+                                 AREA_WHOLE,
+                                 what->map->radius2};
 }
 
 // A position around which there is no edge or wall up to a distance; 0: not known.
@@ -106,7 +107,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     struct precompute_job *job = ctx;
     const struct photon_precompute *what = job->what;
-    const size_t k = 2 * (size_t)what->k;
+    const size_t k = (size_t)what->k * (job->out->ring ? 2 : 1);
     int *row = malloc(GROUP * k * sizeof *row);
     float *distance2 = malloc(GROUP * k * sizeof *distance2);
     if (!row || !distance2) atomic_store(&job->failed, true);
@@ -121,7 +122,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
         }
         photon_index_nearest(what->map->index, query, n, (int)k, photon_map_far2(what->map), row,
                              distance2);
-        for (size_t i = 0; i < n; i++)
+        for (size_t i = 0; job->out->ring && i < n; i++)
             job->out->ring[at + i] = photon_ring_radius(row + i * k, distance2 + i * k, what->k);
         struct clearing clearing =
             find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
@@ -210,17 +211,19 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
     if (map->limited) r.last = array_new(r.count, sizeof *r.last);
-    r.ring = array_new(r.count, sizeof *r.ring);
+    if (!r.ends) r.ring = array_new(r.count, sizeof *r.ring);
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
-    if (map->open && r.position.row && r.E && r.radius && r.ring && r.position.clear &&
+    if (map->open && r.position.row && r.E && r.radius && (r.ring || r.ends) && r.position.clear &&
         (r.last || !map->limited)) {
         struct precompute_job job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         atomic_init(&job.refused, 0);
-        if (!parallel_for(pool, r.count, IRRADIANCE_CHUNK, precompute_chunk, &job))
+        status = r.ends ? photon_map_find_radii(map, what->k, pool) : SATIN_OK;
+        if (status == SATIN_OK &&
+            !parallel_for(pool, r.count, IRRADIANCE_CHUNK, precompute_chunk, &job))
             status = SATIN_CANCELLED;
-        else if (!atomic_load(&job.failed))
-            status = SATIN_OK;
+        else if (atomic_load(&job.failed))
+            status = SATIN_ERROR_MEMORY;
         r.refused = atomic_load(&job.refused);
     }
     if (status == SATIN_OK && !index_rows(what, pool, &r))
@@ -247,7 +250,8 @@ void photon_irradiance_free(struct photon_irradiance *irradiance) {
 }
 
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
-    return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 3 * sizeof(float)) +
+    return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 2 * sizeof(float)) +
+           (irradiance->ring ? irradiance->count * sizeof(float) : 0) +
            (irradiance->last ? irradiance->count * sizeof(rgb) : 0) +
            photon_index_bytes(irradiance->index);
 }

@@ -80,11 +80,13 @@ void photon_map_free(struct photon_map *map) {
     free(map->position);
     free(map->photon);
     free(map->open);
+    free(map->radius2);
     *map = (struct photon_map){0};
 }
 
 size_t photon_map_bytes(const struct photon_map *map) {
     size_t bytes = map->count * (3 * sizeof *map->position + sizeof *map->photon);
+    if (map->radius2) bytes += map->count * sizeof *map->radius2;
     return bytes + (map->open ? map->count / map->stride : 0) + photon_index_bytes(map->index);
 }
 

@@ -83,6 +83,7 @@ struct photon_map {
     struct photon_index *index;
     uint8_t *open;  // of every stride-th photon: whether no edge or wall cuts its disc
     size_t stride;
+    float *radius2;             // of each photon's own disc, squared; NULL: not known
     bool limited;               // whether the number of bounces of photons is limited
     float radius_max;           // largest radius of an estimate
     struct photon_curve curve;  // the curve along which the photons are sorted
@@ -97,6 +98,8 @@ satin_status photon_map_build(const struct satin_scene *scene, const struct phot
                               size_t count, struct parallel *pool, struct log log,
                               struct photon_map *out);
 void photon_map_free(struct photon_map *map);
+// Sets map->radius2 (photon_radii.c). SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_map_find_radii(struct photon_map *map, int k, struct parallel *pool);
 size_t photon_map_bytes(const struct photon_map *map);
 
 static inline vec3 photon_position(const struct photon_map *map, size_t i) {
@@ -148,6 +151,7 @@ struct photon_disc {
     float scale;     // 1 / (area of the surface in the disc) [m^-2]
     bool corrected;  // whether photons count only inside `area`
     struct photon_area area;
+    const float *radius2;  // as in photon_query
 };
 
 // The input of a disc.
@@ -158,8 +162,12 @@ struct photon_query {
     int k;
     enum photon_kernel kernel;
     enum photon_correction { AREA_WHOLE = 0, AREA_IF_NEEDED, AREA_MEASURED } correction;
+    const float *radius2;  // map->radius2; NULL: the kernel has the radius of the disc
 };
 
+// The squared radius of the disc of k rows that photon_index_nearest found: that of the outermost
+// of them, or the map's limit if that is smaller or if the map has fewer photons.
+float photon_radius2(const struct photon_map *map, const int *row, const float *distance2, int k);
 // Moves the k nearest of the 2 k photons nearest to a point to the front. Returns the radius of a
 // disc with the area of the ring of the others: its k photons are not those of the estimate, so it
 // measures the width of the estimate independently of its value. If there are fewer than 2 k
@@ -204,7 +212,7 @@ struct photon_irradiance {
     rgb *E;            // by entry [W m^-2]
     rgb *last;         // by entry: photon_disc_last; NULL: bounces are not limited
     float *radius;     // by entry: radius of its estimate; INFINITY: the map has too few photons
-    float *ring;       // by entry: photon_ring_radius
+    float *ring;       // by entry: photon_ring_radius; NULL for light that ends
     float fade2;       // squared distance from which on an entry fades, over its squared radius
     bool ends;         // whether its light is 0 from three times that distance on
     float far2;        // squared distance of rows beyond which no entry is used
@@ -222,7 +230,7 @@ struct photon_precompute {
     bool area;    // whether estimates divide by the area of the surface in the disc
     bool smooth;  // whether photon_caustic_smooth is applied
     bool ends;    // whether light has borders, as caustics have: there is none where there are no
-                  // photons
+                  // photons, and each photon has a radius of its own
 };
 
 // Computes irradiance at every stride-th photon of the map, and sets the map's `open` flags.
