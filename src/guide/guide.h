@@ -12,25 +12,24 @@
 
 // ---- The view (guide_view.c) ------------------------------------------------------------------
 
-// The points that are seen. The boxes hold all, nine tenths and half of them. Of 1024 paths a
-// tenth is a hundred points, which show the ends of the boxes on any machine.
-enum { GUIDE_VIEW_BOXES = LIGHT_TARGETS / 2, GUIDE_VIEW_PATHS = 1024 };
+// The points that are seen. The boxes hold all, nine tenths and half of them.
+enum { GUIDE_VIEW_BOXES = LIGHT_TARGETS / 2, GUIDE_VIEW_PATHS_MAX = 1024 };
 enum { GUIDE_VIEW_CHUNK = 16 };  // paths per chunk
 struct guide_view {
     float ray_length;                // median length of gather rays; INFINITY if they hit nothing
     int seen_count, specular_count;  // numbers of points; 0: there are no boxes
     struct light_target seen[GUIDE_VIEW_BOXES], specular[GUIDE_VIEW_BOXES];
 };
-// Computed on all threads of the pool; a NULL pool is one thread. The result does not depend on
-// their number.
-void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
-                     struct guide_view *out);
+// Follows this many paths from the eye, at most GUIDE_VIEW_PATHS_MAX, on all threads of the pool; a
+// NULL pool is one thread. The result does not depend on their number.
+void guide_view_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                     struct parallel *pool, struct guide_view *out);
 // Follows the ray through ideal specular surfaces to one with a smooth lobe, whose normal is *n.
 // False if there is none. *ray becomes its last segment; *chain gets the surfaces without the
 // lengths.
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
                        struct interaction *s, vec3 *n, struct light_chain *chain);
-// Does what guide_view_follow does, for the eye ray of path i of GUIDE_VIEW_PATHS.
+// Does what guide_view_follow does, for the eye ray of path i.
 bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n);
 // Aims at those boxes that are small compared to `all`, the box of everything that can be hit.
@@ -50,10 +49,10 @@ struct guide_allocation {
     bool by_power;                            // allocation by power; `fraction` is not set
     float fraction[GUIDE_ALLOCATION_LIGHTS];  // fraction of all paths, by light
 };
-// Allocates by the contribution of each light to the points that are seen. Threads as for
-// guide_view_make.
-void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
-                           struct guide_allocation *out);
+// Allocates by the contribution of each light to the points that are seen. Paths and
+// threads as for guide_view_make.
+void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                           struct parallel *pool, struct guide_allocation *out);
 
 // ---- Aim of emission (guide_emission.c) -------------------------------------------------------
 
@@ -83,12 +82,17 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
 
 // The visibility of the lights from points on paths from the eye, stored in cells of a tree.
 struct guide_visibility;
+// How much is measured: the number of paths from the eye, on which the points are, and that of rays
+// for each bin of directions of the environment. Both are at least 1.
+struct guide_visibility_samples {
+    int paths, bin_rays;
+};
 // *out is NULL if there is nothing to measure: if there is a single light that is no environment,
 // if there are more lights than are weighted individually, or if paths from the eye hit nothing.
-// `bin_rays` is the number of rays for each bin of directions of the environment, at least 1.
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
-satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed, int bin_rays,
-                                    struct parallel *pool, struct guide_visibility **out);
+satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed,
+                                    struct guide_visibility_samples samples, struct parallel *pool,
+                                    struct guide_visibility **out);
 void guide_visibility_free(struct guide_visibility *visibility);  // NULL is allowed
 size_t guide_visibility_bytes(const struct guide_visibility *visibility);
 // The visibility of the lights around p, for sampling direct light. NULL: all is visible.

@@ -27,7 +27,7 @@ struct light_tally {
 struct light_paths {
     const struct satin_scene *scene;
     uint64_t seed;
-    struct light_tally path[GUIDE_VIEW_PATHS];
+    struct light_tally path[GUIDE_VIEW_PATHS_MAX];
 };
 
 static void add_arrival(struct light_tally *tally, uint32_t light, float E) {
@@ -92,17 +92,17 @@ static void trace_allocation(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
-                           struct guide_allocation *out) {
-    struct light_paths paths = {.scene = scene, .seed = seed};
+void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                           struct parallel *pool, struct guide_allocation *out) {
+    struct light_paths traced = {.scene = scene, .seed = seed};
     double light[GUIDE_ALLOCATION_LIGHTS] = {0.0}, sum = 0.0;
     out->by_power = true;
     // With more lights than this the allocation would be mostly noise.
     if (scene->light_count < 2 || scene->light_count > GUIDE_ALLOCATION_LIGHTS) return;
-    parallel_for_all(pool, GUIDE_VIEW_PATHS, GUIDE_VIEW_CHUNK, trace_allocation, &paths);
-    for (int i = 0; i < GUIDE_VIEW_PATHS; i++)
-        for (int k = 0; k < paths.path[i].count; k++)
-            light[paths.path[i].found[k].light] += (double)paths.path[i].found[k].E;
+    parallel_for_all(pool, (size_t)paths, GUIDE_VIEW_CHUNK, trace_allocation, &traced);
+    for (int i = 0; i < paths; i++)
+        for (int k = 0; k < traced.path[i].count; k++)
+            light[traced.path[i].found[k].light] += (double)traced.path[i].found[k].E;
     for (uint32_t i = 0; i < scene->light_count; i++) sum += light[i];
     if (!(sum > 0.0)) return;
     out->by_power = false;

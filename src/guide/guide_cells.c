@@ -7,16 +7,10 @@
 #include "base/sampling.h"
 #include "guide/guide_visibility.h"
 
-// The size of the sample, which divides no time between stages. In the case window at preview
-// (150x150, 4 samples per pixel, 6.1 core seconds) a quarter of the paths and cells gave 1.10 times
-// the relMSE between two seeds, in .7 core seconds less; four times as many gave .91 times, in 3.6
-// core seconds more.
 enum {
-    PATHS = 4 * GUIDE_VIEW_PATHS,
     CELL_BOUNCES = 2,  // bounces of a path: gather rays sample direct light from the second vertex
                        // on
     POINTS_PATH = 1 + CELL_BOUNCES,
-    CELL_POINTS = PATHS * POINTS_PATH,
     CELL_LEAST = 8  // mean number of points of a cell
 };
 
@@ -45,7 +39,7 @@ struct cell_paths {
     const struct satin_scene *scene;
     uint64_t seed;
     struct guide_cell_point *point;  // those of path i begin at POINTS_PATH i
-    size_t count[PATHS];             // number of points of each path
+    size_t *count;                   // number of points of each path
 };
 
 static void trace_cells(void *ctx, size_t begin, size_t end, int worker) {
@@ -57,14 +51,15 @@ static void trace_cells(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // Stores the points of all paths in `point`, in the order of the paths. Returns their number.
-static size_t find_points(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
-                          struct guide_cell_point *point) {
-    struct cell_paths paths = {.scene = scene, .seed = seed, .point = point};
-    size_t count = 0;
-    parallel_for_all(pool, PATHS, GUIDE_VIEW_CHUNK, trace_cells, &paths);
-    for (size_t i = 0; i < PATHS; i++)
-        for (size_t k = 0; k < paths.count[i]; k++) point[count++] = point[i * POINTS_PATH + k];
-    return count;
+// `count` is memory for that of each path.
+static size_t find_points(const struct satin_scene *scene, uint64_t seed, size_t paths,
+                          struct parallel *pool, struct guide_cell_point *point, size_t *count) {
+    struct cell_paths traced = {.scene = scene, .seed = seed, .point = point, .count = count};
+    size_t points = 0;
+    parallel_for_all(pool, paths, GUIDE_VIEW_CHUNK, trace_cells, &traced);
+    for (size_t i = 0; i < paths; i++)
+        for (size_t k = 0; k < count[i]; k++) point[points++] = point[i * POINTS_PATH + k];
+    return points;
 }
 
 // Splits points [first, first + count) of a node down to its cells.
@@ -81,14 +76,16 @@ static void split_cells(struct guide_cells *cells, struct split_point *point, si
     split_cells(cells, point, first + left, count - left, 2 * node + 2, depth + 1);
 }
 
-bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
-                      struct guide_cells *out) {
-    struct guide_cell_point *found = array_new(CELL_POINTS, sizeof *found);
-    struct split_point *point = array_new(CELL_POINTS, sizeof *point);
-    out->point = array_new(CELL_POINTS, sizeof *out->point);
-    const bool made = found && point && out->point;
+bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                      struct parallel *pool, struct guide_cells *out) {
+    const size_t points = (size_t)paths * POINTS_PATH;
+    struct guide_cell_point *found = array_new(points, sizeof *found);
+    struct split_point *point = array_new(points, sizeof *point);
+    size_t *path_count = array_new((size_t)paths, sizeof *path_count);
+    out->point = array_new(points, sizeof *out->point);
+    const bool made = found && point && path_count && out->point;
     if (made) {
-        const size_t count = find_points(scene, seed, pool, found);
+        const size_t count = find_points(scene, seed, (size_t)paths, pool, found, path_count);
         out->depth = 0;
         while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= CELL_LEAST)
             out->depth++;
@@ -101,6 +98,7 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct par
     }
     free(found);
     free(point);
+    free(path_count);
     return made;
 }
 

@@ -24,7 +24,7 @@ struct point {
 };
 
 struct cloud {
-    struct point point[GUIDE_VIEW_PATHS];
+    struct point point[GUIDE_VIEW_PATHS_MAX];
     int count;
 };
 
@@ -38,7 +38,7 @@ static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = 
 // ---- Boxes ------------------------------------------------------------------------------------
 
 static float median(const struct cloud *cloud, int axis) {
-    float x[GUIDE_VIEW_PATHS];
+    float x[GUIDE_VIEW_PATHS_MAX];
     for (int i = 0; i < cloud->count; i++) x[i] = v3_along(cloud->point[i].p, axis);
     qsort(x, (size_t)cloud->count, sizeof *x, array_compare_floats);
     return x[cloud->count / 2];
@@ -130,7 +130,7 @@ struct view_path {
 struct view_paths {
     const struct satin_scene *scene;
     uint64_t seed;
-    struct view_path path[GUIDE_VIEW_PATHS];
+    struct view_path path[GUIDE_VIEW_PATHS_MAX];
 };
 
 static void trace_view(void *ctx, size_t begin, size_t end, int worker) {
@@ -157,15 +157,15 @@ static void trace_view(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
-                     struct guide_view *out) {
-    struct view_paths paths = {.scene = scene, .seed = seed};
+void guide_view_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                     struct parallel *pool, struct guide_view *out) {
+    struct view_paths view = {.scene = scene, .seed = seed};
     struct cloud seen = {.count = 0}, specular = {.count = 0};
-    float length[GUIDE_VIEW_PATHS];
+    float length[GUIDE_VIEW_PATHS_MAX];
     int hits = 0;
-    parallel_for_all(pool, GUIDE_VIEW_PATHS, GUIDE_VIEW_CHUNK, trace_view, &paths);
-    for (int i = 0; i < GUIDE_VIEW_PATHS; i++) {
-        const struct view_path *path = &paths.path[i];
+    parallel_for_all(pool, (size_t)paths, GUIDE_VIEW_CHUNK, trace_view, &view);
+    for (int i = 0; i < paths; i++) {
+        const struct view_path *path = &view.path[i];
         if (path->seen) add(&seen, path->x);
         if (path->hit) length[hits++] = path->length;
         if (path->specular) add(&specular, path->end);

@@ -137,20 +137,21 @@ static void learn(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed, int bin_rays,
-                                    struct parallel *pool, struct guide_visibility **out) {
+satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed,
+                                    struct guide_visibility_samples samples, struct parallel *pool,
+                                    struct guide_visibility **out) {
     const bool sky = scene->environment >= 0;
     const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHTS_MAX;
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
-    if (!visibility || !guide_cells_make(scene, seed, pool, &visibility->cells)) {
+    if (!visibility || !guide_cells_make(scene, seed, samples.paths, pool, &visibility->cells)) {
         free(visibility);
         return SATIN_ERROR_MEMORY;
     }
     visibility->sky = sky;
     visibility->choice = choice;
-    struct learning learning = {scene, seed, bin_rays, visibility};
+    struct learning learning = {scene, seed, samples.bin_rays, visibility};
     const size_t cells =
         visibility->cells.cell[0].count > 0 ? guide_cells_count(&visibility->cells) : 0;
     const bool done = parallel_for(pool, cells, 1, learn, &learning);

@@ -20,8 +20,10 @@ enum photon_class { PHOTON_DIRECT = 0, PHOTON_CAUSTIC, PHOTON_INDIRECT, PHOTON_C
 // sr^-1, radii in the scene's unit of length; p is a point, n and ng are unit vectors.
 struct photon_maps;
 
-// The numbers of light paths by what their photons are for (render_budget.h).
+// The numbers of light paths by what their photons are for, and of paths from the eye that show
+// what is seen and how to allocate the others (render_budget.h).
 struct photon_paths {
+    int view;           // at least 1 and at most GUIDE_VIEW_PATHS_MAX
     uint64_t global;    // the global map
     uint64_t clusters;  // the search for photon clusters; 0: there are no clusters
     uint64_t direct;    // direct photons, which show lit patches between the entries of irradiance

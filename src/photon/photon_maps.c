@@ -239,8 +239,8 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
                                .log = log,
                                .stats = stats};
     parallel_begin_part(pool, PART_VIEW);
-    guide_view_make(scene, options->seed, pool, &pass.view);
-    guide_allocation_make(scene, options->seed, pool, &pass.allocation);
+    guide_view_make(scene, options->seed, pass.paths.view, pool, &pass.view);
+    guide_allocation_make(scene, options->seed, pass.paths.view, pool, &pass.allocation);
     maps->lookup_max = LOOKUP_FRACTION * pass.view.ray_length;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);

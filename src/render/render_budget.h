@@ -70,8 +70,8 @@ bool render_time_remains(const struct render *r);
 // The numbers of light paths for options->photons and options->caustic_photons, which may be those
 // of the options or a fraction of them.
 struct photon_paths render_budget_paths(const satin_options *options);
-// The number of rays with which a cell measures the visibility of the environment in each bin.
-int render_budget_bin_rays(const satin_options *options);
+// With how many paths and rays the visibility of the lights is measured.
+struct guide_visibility_samples render_budget_visibility(const satin_options *options);
 // The fraction of its photons that a render traces first: all, or a sixteenth with a time limit.
 double render_budget_first_photons(const struct render *r);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect

@@ -14,7 +14,7 @@ static satin_status build_visibility(struct render *r) {
     const double start = stats_wall();
     parallel_begin_part(r->pool, PART_VISIBILITY);
     satin_status status =
-        guide_visibility_build(&r->scene, r->options.seed, render_budget_bin_rays(&r->options),
+        guide_visibility_build(&r->scene, r->options.seed, render_budget_visibility(&r->options),
                                r->pool, &r->first_pass.visibility);
     stats_add(&r->stats, "photons.visibility_s", stats_wall() - start);
     return status;

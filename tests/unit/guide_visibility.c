@@ -66,8 +66,10 @@ static struct guide_visibility *guide_visibility_look(struct test_scene *t, int 
     enum { SEED = 0, BIN_RAYS = 3 };  // as of the default options
     struct parallel *pool = parallel_new(threads);
     struct guide_visibility *visibility = NULL;
-    assert_int_equal(guide_visibility_build(&t->scene, SEED, BIN_RAYS, pool, &visibility),
-                     SATIN_OK);
+    assert_int_equal(
+        guide_visibility_build(&t->scene, SEED, (struct guide_visibility_samples){4096, BIN_RAYS},
+                               pool, &visibility),
+        SATIN_OK);
     parallel_free(pool);
     return visibility;
 }

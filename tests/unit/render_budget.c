@@ -105,6 +105,14 @@ static void the_number_of_paths_follows_from_that_of_photons(void **state) {
     assert_true(render_budget_paths(&o).clusters == 0 && render_budget_paths(&o).direct == 0);
 }
 
+static void as_many_paths_show_the_view_as_it_can_hold(void **state) {
+    (void)state;
+    const satin_options o = {.photons = 1 << 20};
+    const int view = render_budget_paths(&o).view;
+    assert_true(view >= 1 && view <= GUIDE_VIEW_PATHS_MAX);
+    assert_true(render_budget_visibility(&o).paths >= view);
+}
+
 static void rays_per_bin_grow_with_photons(void **state) {
     (void)state;
     const struct {
@@ -112,8 +120,9 @@ static void rays_per_bin_grow_with_photons(void **state) {
         int rays;
     } expected[] = {{0, 1}, {60000, 2}, {100000, 3}, {390000, 3}, {500000, 5}, {1 << 24, 8}};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
-        assert_int_equal(render_budget_bin_rays(&(satin_options){.photons = expected[i].photons}),
-                         expected[i].rays);
+        assert_int_equal(
+            render_budget_visibility(&(satin_options){.photons = expected[i].photons}).bin_rays,
+            expected[i].rays);
 }
 
 static void samples_gather_less_with_a_limit(void **state) {
@@ -391,6 +400,7 @@ int main(void) {
         cmocka_unit_test(a_limit_that_is_over_is_no_cancellation),
         cmocka_unit_test(photons_fit_into_the_time_or_are_left_out),
         cmocka_unit_test(the_number_of_paths_follows_from_that_of_photons),
+        cmocka_unit_test(as_many_paths_show_the_view_as_it_can_hold),
         cmocka_unit_test(rays_per_bin_grow_with_photons),
         cmocka_unit_test(samples_gather_less_with_a_limit),
         cmocka_unit_test(starved_maps_alone_are_made_again),
