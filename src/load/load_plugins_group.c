@@ -44,7 +44,7 @@ static satin_status add_children(struct load_state *loader, const struct params 
 // Builds a group at the first reference to it.
 static satin_status add_group(struct load_state *loader, const struct params *p) {
     if (p->node->group) return SATIN_OK;
-    if (loader->open_group) return load_refuse(loader, p, "it cannot be child of another group");
+    if (loader->open_group) return load_refuse(loader, p, "it cannot be part of another group");
     void *items = loader->group;
     if (!array_reserve(&items, &loader->group_capacity, loader->group_count + 1,
                        sizeof *loader->group))
@@ -66,7 +66,7 @@ static satin_status add_group(struct load_state *loader, const struct params *p)
 }
 
 static satin_status add_instance(struct load_state *loader, const struct params *p) {
-    if (loader->open_group) return load_refuse(loader, p, "it cannot be child of a group");
+    if (loader->open_group) return load_refuse(loader, p, "it cannot be part of a group");
     struct xml_node *at = NULL, *group = params_child(&loader->xml, p->node, XML_SHAPE, &at);
     if (!group || params_child(&loader->xml, p->node, XML_SHAPE, &at) ||
         strcmp(group->type, "shapegroup") != 0)

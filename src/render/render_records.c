@@ -8,7 +8,7 @@
 
 enum { BLOCK_PIXELS = 65536 };  // pixels whose sites are in memory at a time
 
-// The state of record_rounds.
+// What all rounds of filling have in common.
 struct record_rounds {
     struct render *r;
     struct render_covering covering;

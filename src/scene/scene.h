@@ -441,8 +441,7 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
 // (scene_camera_check.c).
 void camera_check(const struct satin_scene *scene, struct log log);
 
-// ---- Filter (scene_film_filter.c)
-// ------------------------------------------------------------------
+// ---- Filter (scene_film_filter.c) ---------------------------------------------------------------
 
 // Draws an offset from a pixel's centre by u from a film filter without negative lobes, truncated
 // so that the position stays inside [lo, hi), the crop window. At the border that equals a
