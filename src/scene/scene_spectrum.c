@@ -79,29 +79,13 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
     return xyz_to_rgb(xyz, step_fraction());
 }
 
-rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, double nanometres),
-                      const void *ctx) {
+rgb spectrum_blackbody(double kelvin, double first, double last) {
     double xyz[3] = {0.0, 0.0, 0.0}, row[4];
     for (int i = 0; i < SPECTRUM_STEPS; i++) {
-        double wavelength = step_wavelength(i), passed = transmitted(ctx, wavelength);
+        const double wavelength = step_wavelength(i);
+        if (wavelength < first || wavelength > last) continue;
         observer_at(wavelength, row);
-        for (int k = 0; k < 3; k++) xyz[k] += row[k] * planck(wavelength, kelvin) * passed;
+        for (int k = 0; k < 3; k++) xyz[k] += row[k] * planck(wavelength, kelvin);
     }
     return xyz_to_rgb(xyz, step_fraction());
-}
-
-// A filter that passes only the light between two wavelengths.
-static double band_pass(const void *ctx, double wavelength) {
-    const double *range = ctx;
-    return wavelength >= range[0] && wavelength <= range[1] ? 1.0 : 0.0;
-}
-
-rgb spectrum_blackbody(double kelvin, double first, double last) {
-    const double range[2] = {first, last};
-    return spectrum_filtered(kelvin, band_pass, range);
-}
-
-rgb spectrum_chromaticity(double x, double y, double luminance) {
-    double scale = y > 0.0 ? luminance / y : 0.0;
-    return xyz_to_rgb((const double[3]){x, y, 1.0 - x - y}, scale);
 }

@@ -27,11 +27,4 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light);
 // Linear sRGB of a black body's radiance [W m^-2 sr^-1 nm^-1] between two wavelengths [nm].
 rgb spectrum_blackbody(double kelvin, double first, double last);
 
-// The linear sRGB of a black body's radiance behind a filter: `transmitted` returns the fraction
-// that passes at a wavelength.
-rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, double nanometres),
-                      const void *ctx);
-// The linear sRGB of a CIE chromaticity x, y with a luminance. Negative values become 0.
-rgb spectrum_chromaticity(double x, double y, double luminance);
-
 #endif
