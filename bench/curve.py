@@ -8,7 +8,7 @@ DIR has references that `bench/quality.py references DIR SCENE ...` made, of the
 asks for here too. Prints a table in Markdown: for each scene and run the mean relMSE over the
 seeds, its standard error, wall and processor seconds, and for a preset its error over that of the
 curve at as many wall seconds. The exit status is 1 if an error rises from one limit to the next by
-more than three standard errors. Needs a machine that does nothing else; a picture needs
+more than three standard errors. Needs a machine that does nothing else, or --cpu; a picture needs
 matplotlib.
 """
 import math
@@ -35,7 +35,7 @@ def measure(options, scene, args):
         errors.append(runs.error(options, image, scene)[0])
     spread = statistics.stdev(errors) / math.sqrt(len(errors)) if len(errors) > 1 else 0.0
     return {"run": " ".join(args), "error": statistics.mean(errors), "spread": spread,
-            "wall": statistics.mean(walls), "cpu": statistics.mean(cpus)}
+            "wall": statistics.mean(cpus if options.cpu else walls), "cpu": statistics.mean(cpus)}
 
 
 def curve_at(rows, wall):

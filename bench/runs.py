@@ -11,6 +11,9 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
+# Makes processor seconds of the seconds that a program measures (cpu_clock.c).
+CPU_CLOCK = os.path.join(ROOT, "build", "bench", "cpu_clock.so")
+
 
 def parser(description, what=()):
     """Arguments that every script takes, after one word of `what` if there are any."""
@@ -21,11 +24,13 @@ def parser(description, what=()):
     p.add_argument("dir", help="folder of references; images are left there")
     p.add_argument("--satin", default=os.path.join(ROOT, "build", "satin"))
     p.add_argument("--extra", default="", help="more arguments for satin render")
+    p.add_argument("--cpu", action="store_true",
+                   help="one thread, and limits in its processor seconds: for busy machines")
     return p
 
 
-def run(args):
-    done = subprocess.run(args, stdout=subprocess.PIPE, text=True, check=False)
+def run(args, env=None):
+    done = subprocess.run(args, stdout=subprocess.PIPE, text=True, check=False, env=env)
     if done.returncode:
         sys.exit("failed: " + " ".join(args))
     return done.stdout
@@ -40,8 +45,10 @@ def render(options, scene, out, *args, satin=None):
     os.makedirs(options.dir, exist_ok=True)
     image = os.path.join(options.dir, out + ".exr")
     stats = os.path.join(options.dir, out + ".json")
+    threads, env = (["--threads", "1"], {**os.environ, "LD_PRELOAD": CPU_CLOCK}) \
+        if options.cpu else ([], None)
     run([satin or options.satin, "render", scene, "-o", image, "--stats", stats, "--quiet",
-         *args, *options.extra.split()])
+         *args, *threads, *options.extra.split()], env)
     with open(stats, encoding="utf-8") as file:
         return image, json.load(file)
 
