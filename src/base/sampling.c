@@ -16,20 +16,6 @@ vec2 sample_disk(float u, float v) {
     return (vec2){r * cosf(phi), r * sinf(phi)};
 }
 
-vec2 sample_disk_inverse(vec2 p) {
-    float r = sqrtf(p.x * p.x + p.y * p.y);
-    if (r == 0.0f) return (vec2){0.5f, 0.5f};
-    float a, b;
-    if (fabsf(p.x) > fabsf(p.y)) {
-        a = copysignf(r, p.x);
-        b = a * atan2f(copysignf(1.0f, p.x) * p.y, fabsf(p.x)) * (4.0f / PI_F);
-    } else {
-        b = copysignf(r, p.y);
-        a = b * atan2f(copysignf(1.0f, p.y) * p.x, fabsf(p.y)) * (4.0f / PI_F);
-    }
-    return (vec2){0.5f * (a + 1.0f), 0.5f * (b + 1.0f)};
-}
-
 vec2 sample_triangle(float u, float v) {
     float s = sqrtf(u);
     return (vec2){s * (1.0f - v), s * v};

@@ -42,8 +42,6 @@ static inline vec3 sample_uniform_cone(float u, float v, float versine) {
 
 // Uniform in the unit disk by the concentric map (Shirley and Chiu 1997); density 1 / pi.
 vec2 sample_disk(float u, float v);
-// The inverse of sample_disk.
-vec2 sample_disk_inverse(vec2 p);
 
 // Barycentric coordinates (b1, b2), uniform over a triangle.
 vec2 sample_triangle(float u, float v);

@@ -73,13 +73,13 @@ struct shade_counts {
 
 // Values that the samples of a pixel have in common (shade_pixel_cache.h).
 enum { SHADE_PIXEL_VALUES = 4 };
-enum { PIXEL_IRRADIANCE = 1, PIXEL_RADIANCE = 2 };
 struct shade_pixel_cache {
     struct shade_pixel_value {
         vec3 p, n, wo;
         const struct material_side *side;
         float alpha, exponent;   // roughness
-        unsigned known;          // mask of PIXEL_..., the values that are set
+        bool has_irradiance;     // whether E was interpolated from irradiance records
+        bool has_radiance;       // whether E and `glossy` were, from radiance records
         struct cache_used used;  // records from which E was interpolated
         rgb E;                   // indirect irradiance by either cache
         rgb glossy;              // reflected by the glossy lobes, without the factor brdf.specular

@@ -50,14 +50,14 @@ static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *valu
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
     if (!s->interpolates) return false;
-    if (!(value->known & PIXEL_IRRADIANCE)) {
+    if (!value->has_irradiance) {
         struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         at.gather_deviation = s->missing.deviation;
         rgb E;
         value->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
         if (!value->used.count) return false;
         value->E = E;
-        value->known |= PIXEL_IRRADIANCE;
+        value->has_irradiance = true;
     }
     note_records(job, value->used);
     add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
@@ -71,12 +71,12 @@ static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan
     const struct shading_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!s->interpolates) return false;
-    if (!(value->known & PIXEL_RADIANCE)) {
+    if (!value->has_radiance) {
         struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         at.gather_deviation = s->missing.deviation;
         value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
         if (!value->used.count) return false;
-        value->known |= PIXEL_RADIANCE;
+        value->has_radiance = true;
     }
     note_records(job, value->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->bump);
