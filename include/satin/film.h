@@ -25,6 +25,11 @@ SATIN_API void satin_film_free(satin_film *film);
 // The film's size [pixels], of the crop window if the scene has one. Neither pointer may be NULL.
 // Thread-safe.
 SATIN_API void satin_film_size(const satin_film *film, int *width, int *height);
+// Where the film lies in the whole image of which it is a crop: its first column *x and row *y
+// there and the whole size [pixels]. Of a film that is no crop, 0, 0 and its own size. No pointer
+// may be NULL. Thread-safe.
+SATIN_API void satin_film_window(const satin_film *film, int *x, int *y, int *full_width,
+                                 int *full_height);
 // The name of channel `index`, counted from 0; NULL below 0 and beyond the last one, so that a loop
 // can end by it. Channels are named R, G, B for the beauty and layer.R and so on for layers. The
 // name is owned by the film. Thread-safe.

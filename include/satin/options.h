@@ -67,6 +67,9 @@ typedef struct satin_options {
                              // path
     bool denoise;            // denoises light that no record carries; needs Open Image Denoise
     int width, height;       // film size in pixels; 0: the scene's
+    // The part of the film that is rendered, in its pixels from the top left; it replaces the
+    // scene's crop window. crop_width or crop_height 0: the scene's.
+    int crop_x, crop_y, crop_width, crop_height;
     uint64_t seed;
     int threads;         // 0: one per core
     double time;         // wall seconds for the whole render; 0: no limit
@@ -146,8 +149,10 @@ typedef struct satin_options {
 // The options at quality `preview`. A constant, which any thread may read.
 extern SATIN_API const satin_options satin_options_default;
 
-// Sets every field that quality decides; the others keep their values. `options` must not be NULL,
-// and `quality` must be one of the enum. Thread-safe if no other thread uses *options.
+// Sets every field that quality decides; the others keep their values. Only if photon_k is 0, which
+// no render takes, *options counts as a zeroed struct: then every other field that is 0 gets its
+// default. `options` must not be NULL, and `quality` must be one of the enum. Thread-safe if no
+// other thread uses *options.
 SATIN_API void satin_options_preset(satin_options *options, satin_quality quality);
 
 // Sets one option from text, by the name of its field (`-` and `_` are equal). `quality` applies

@@ -36,7 +36,10 @@ enum satin_scene_flags {
     // Missing files and unknown plugins give a warning each: their shapes and lights are left out,
     // and their textures and BRDFs are grey. An unknown BRDF that contains another one is replaced
     // by it.
-    SATIN_SCENE_LENIENT = 2
+    SATIN_SCENE_LENIENT = 2,
+    // The scene file may be a pipe or a device such as /dev/stdin, which is read to its end. The
+    // names in a file of the folder /dev are relative to the current folder.
+    SATIN_SCENE_STREAM = 4
 };
 
 // satin_scene_load with `flags`, bits of satin_scene_flags; 0: none. Other bits are ignored.
@@ -44,6 +47,22 @@ enum satin_scene_flags {
 SATIN_API satin_status satin_scene_load_with(const char *path, const satin_define *defines,
                                              size_t define_count, unsigned flags, satin_log_fn log,
                                              void *log_user, satin_scene **scene);
+
+// What a scene is loaded with; all zero is what satin_scene_load does without defines. All texts
+// are the caller's and must be valid until the call returns.
+typedef struct satin_scene_request {
+    const satin_define *defines;
+    size_t define_count;
+    unsigned flags;      // bits of satin_scene_flags
+    const char *sensor;  // the id of the sensor, or its index from 0; NULL: the first sensor
+} satin_scene_request;
+
+// satin_scene_load by a request, which must not be NULL. SATIN_ERROR_INPUT also if the scene has no
+// such sensor. Thread-safe, as satin_scene_load.
+SATIN_API satin_status satin_scene_load_request(const char *path,
+                                                const satin_scene_request *request,
+                                                satin_log_fn log, void *log_user,
+                                                satin_scene **scene);
 
 // Frees the scene; NULL is allowed. No other thread may use the scene during or after the call, and
 // no render of it may be running. Films that were rendered from it stay valid.

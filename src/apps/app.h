@@ -84,6 +84,9 @@ enum { APP_POSITIONAL = -1, APP_END = -2, APP_BAD = -3 };
 int app_args_next(struct app_args *args, const struct app_flag *flags,
                   bool (*takes)(const char *next), char **value);
 
+// Reads X,Y,W,H: a box of pixels from its first column and row on. False if it is something else.
+bool app_take_box(const char *text, int box[4]);
+
 // Splits `name=value`, in place. False, with nothing changed, if it is something else.
 bool app_args_split(char *pair, const char **name, const char **value);
 
@@ -122,8 +125,9 @@ struct app_input {
     const char *what;  // its name in messages
 };
 
-// The path of standard output as an output.
+// The paths of standard output as an output and of standard input as an input.
 #define APP_STDOUT "/dev/fd/1"
+#define APP_STDIN "/dev/stdin"
 
 // Checks all outputs. Reports the first one that is one of the inputs (the list ends with `what`
 // NULL), that is the same file as an output before it, or that cannot be written, and returns

@@ -50,9 +50,27 @@ static bool matches(const struct app_flag *flag, char *argument, char **attached
     return flag->value || !argument[2];
 }
 
-static int unknown_flag(const struct app_flag *flags, const char *argument) {
+// If --name is an option of --set, reports how to set it. `next` is the argument after it, or NULL.
+static bool is_option(const char *name, const char *argument, const char *next) {
+    satin_option_info info;
+    const char *value = strchr(argument, '=');
+    if (value)
+        value++;
+    else
+        value = next && next[0] != '-' ? next : "VALUE";
+    for (int i = 0; satin_options_describe(&satin_options_default, i, &info); i++) {
+        if (strncmp(name, "--", 2) != 0 || !text_same_name(name + 2, info.name)) continue;
+        app_wrong("unknown argument '%s': it is an option, set by --set %s=%s", name, info.name,
+                  value);
+        return true;
+    }
+    return false;
+}
+
+static int unknown_flag(const struct app_flag *flags, const char *argument, const char *next) {
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)strcspn(argument, "="), argument);
+    if (flags == app_render_flags && is_option(name, argument, next)) return APP_BAD;
     struct text_nearest search = {.word = name};
     for (const struct app_flag *f = flags; f->name; f++) text_nearest_try(&search, f->name);
     if (search.best)
@@ -95,7 +113,14 @@ int app_args_next(struct app_args *args, const struct app_flag *flags,
         *value = attached;
         return i;
     }
-    return unknown_flag(flags, argument);
+    return unknown_flag(flags, argument, args->at < args->argc ? args->argv[args->at] : NULL);
+}
+
+bool app_take_box(const char *text, int box[4]) {
+    int end = 0;
+    if (strspn(text, "0123456789,") != strlen(text) || strlen(text) > 40) return false;
+    const int count = sscanf(text, "%9d,%9d,%9d,%9d%n", &box[0], &box[1], &box[2], &box[3], &end);
+    return count == 4 && text[end] == 0 && box[2] > 0 && box[3] > 0;
 }
 
 bool app_args_split(char *pair, const char **name, const char **value) {

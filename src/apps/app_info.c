@@ -52,7 +52,10 @@ static satin_status describe_image(const char *path) {
     satin_status status = satin_film_read(path, app_log_file, NULL, &film);
     if (status != SATIN_OK) return status;
     size_t count = (size_t)film->width * (size_t)film->height;
-    printf("image      %s, %dx%d\n", path, film->width, film->height);
+    printf("image      %s, %dx%d", path, film->width, film->height);
+    if (film->full_width != film->width || film->full_height != film->height || film->x || film->y)
+        printf(" at (%d, %d) of %dx%d", film->x, film->y, film->full_width, film->full_height);
+    printf("\n");
     printf("channels   %-11s %12s %12s %12s\n", "", "min", "mean", "max");
     for (int c = 0; c < film->channel_count; c++)
         print_channel(film->channel_name[c], film->channel[c], count);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin render: arguments -> scene and options -> film -> files. Errors in the arguments are found
-// before the scene is read, and errors in the names of outputs before anything is rendered.
+// satin render: request -> scene and options -> film -> files. Errors in the names of outputs are
+// found before anything is rendered.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "apps/app.h"
+#include "apps/app_render.h"
 #include "base/fileio.h"
 #include "base/stats.h"
 #include "film/film.h"
@@ -15,157 +16,8 @@
 // The least fraction of a time limit that is left for the render if loading the scene takes long.
 static const double LOAD_LEAVES = 0.2;
 
-enum {
-    FLAG_OUTPUT,
-    FLAG_PNG,
-    FLAG_STATS,
-    FLAG_LOAD,
-    FLAG_SAVE,
-    FLAG_DEFINE,
-    FLAG_SET,
-    FLAG_EXPOSURE,
-    FLAG_TONEMAP,
-    FLAG_STRICT,
-    FLAG_LENIENT,
-    FLAG_QUIET,
-    FLAG_HELP,
-    FLAG_FIRST_OPTION  // from here on --name is the option of that name; a Boolean without a value
-                       // is on
-};
-
-const struct app_flag app_render_flags[] = {
-    {"--output", "-o", "OUT.exr",
-     "The image, an OpenEXR file with all layers; or OUT.png, the beauty alone."},
-    {"--png", NULL, "[FILE.png]", "The beauty as a PNG too, beside the image if no name is given."},
-    {"--stats", NULL, "FILE.json", "Statistics as JSON; - for standard output."},
-    {"--load-cache", NULL, "FILE",
-     "Begins with the cache records of a render of the same scene, with any sensor."},
-    {"--save-cache", NULL, "FILE",
-     "Writes the cache records to FILE, which may be the file that is loaded."},
-    {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
-    {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
-    {"--exposure", NULL, "STOPS|auto", APP_EXPOSURE_DOC},
-    {"--tonemap", NULL, "clip|filmic", APP_TONEMAP_DOC},
-    {"--strict", NULL, NULL, "Treats warnings about the scene as errors."},
-    {"--lenient", NULL, NULL,
-     "Renders a scene with missing files or unknown plugins, which are left out or become grey."},
-    {"--quiet", "-q", NULL, "Prints errors only."},
-    {"--help", "-h", NULL, "Prints this."},
-    {"--quality", NULL, "draft|preview|production", "Preset; single options override it."},
-    {"--integrator", NULL, "two-pass|path|direct|photons", "How light is computed."},
-    {"--first-pass", NULL, "NAME",
-     "What gather rays read: precomputed, photons, path, none, recursive."},
-    {"--spp", NULL, "N", "Samples per pixel."},
-    {"--width", NULL, "W", "Film width in pixels."},
-    {"--height", NULL, "H", "Film height in pixels."},
-    {"--seed", NULL, "S", "Seed of all random numbers."},
-    {"--threads", NULL, "T", "The number of threads; 0 is one per core."},
-    {"--time", NULL, "SECONDS", "Stops with the best image so far when the time is up."},
-    {"--denoise", NULL, NULL,
-     "Denoises the light that no record carries; needs Open Image Denoise."},
-    {NULL, NULL, NULL, NULL},
-};
-
-struct request {
-    const char *scene, *output, *png, *stats, *load, *save;
-    bool want_png, quiet, help;
-    satin_tonemap tonemap;
-    unsigned scene_flags;
-    satin_define *define;
-    satin_setting *setting;
-    size_t define_count, setting_count;
-    char *png_beside;  // name of a PNG that was asked for without a name; owned
-};
-
-static int take_flag(struct request *r, int flag, char *value) {
-    satin_define *define = &r->define[r->define_count];
-    satin_setting *setting = &r->setting[r->setting_count];
-    switch (flag) {
-        case FLAG_OUTPUT:
-            r->output = value;
-            return APP_DONE;
-        case FLAG_STATS:
-            r->stats = value;
-            return APP_DONE;
-        case FLAG_LOAD:
-            r->load = value;
-            return APP_DONE;
-        case FLAG_SAVE:
-            r->save = value;
-            return APP_DONE;
-        case FLAG_EXPOSURE:
-            return app_take_exposure(value, &r->tonemap);
-        case FLAG_TONEMAP:
-            return app_take_tonemap(value, &r->tonemap);
-        case FLAG_STRICT:
-            r->scene_flags |= SATIN_SCENE_STRICT;
-            return APP_DONE;
-        case FLAG_LENIENT:
-            r->scene_flags |= SATIN_SCENE_LENIENT;
-            return APP_DONE;
-        case FLAG_QUIET:
-            r->quiet = true;
-            return APP_DONE;
-        case FLAG_HELP:
-            r->help = true;
-            return APP_DONE;
-        case FLAG_PNG:
-            r->want_png = true;
-            r->png = value;
-            return APP_DONE;
-        case FLAG_DEFINE:
-            if (!app_args_split(value, &define->name, &define->value))
-                return app_wrong("-D needs NAME=VALUE, not '%s'", value);
-            r->define_count++;
-            return APP_DONE;
-        case FLAG_SET:
-            if (!app_args_split(value, &setting->name, &setting->value))
-                return app_wrong("--set needs OPTION=VALUE, not '%s'", value);
-            r->setting_count++;
-            return APP_DONE;
-        default:
-            *setting = (satin_setting){app_render_flags[flag].name + 2, value ? value : "on"};
-            r->setting_count++;
-            return APP_DONE;
-    }
-}
-
-// Whether a name has the ending of an image format, even of one that is not written. Decides
-// whether the argument after --png is its value.
-static bool is_image(const char *name) {
-    static const char *const ending[] = {".png", ".exr",  ".jpg", ".jpeg", ".tif", ".tiff",
-                                         ".hdr", ".webp", ".bmp", ".pfm",  ".tga"};
-    for (size_t i = 0; i < sizeof ending / sizeof *ending; i++)
-        if (app_ends_in(name, ending[i])) return true;
-    return false;
-}
-
-static int read_render_arguments(int argc, char **argv, struct request *r) {
-    struct app_args args = {.argc = argc, .argv = argv};
-    char *value;
-    for (;;) {
-        int flag = app_args_next(&args, app_render_flags, is_image, &value), status = APP_DONE;
-        if (flag == APP_END) break;
-        if (flag == APP_BAD) return APP_WRONG;
-        if (flag != APP_POSITIONAL)
-            status = take_flag(r, flag, value);
-        else if (r->scene)
-            status = app_wrong("one scene at a time: '%s' and '%s'", r->scene, value);
-        else
-            r->scene = value;
-        if (status != APP_DONE) return status;
-    }
-    if (r->help) return APP_DONE;
-    if (!r->scene) return app_wrong("no scene: satin render SCENE.xml -o OUT.exr");
-    if (!r->output || !*r->output)
-        return app_wrong("no output: satin render %s -o OUT.exr", r->scene);
-    satin_options checked;
-    return app_exit_of(
-        satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));
-}
-
 // The ending of an output's name chooses its format.
-static int check_format(const struct request *r) {
+static int check_format(const struct app_render_request *r) {
     if (!app_ends_in(r->output, ".exr") && !app_ends_in(r->output, ".png"))
         return app_wrong("%s: an image is written as .exr or .png, by the end of its name",
                          r->output);
@@ -184,7 +36,7 @@ static char *png_name(const char *output) {
 
 // All outputs; the path of an output that was not asked for is NULL.
 enum { OUTPUTS = 4 };
-static void list_outputs(const struct request *r, struct app_output output[OUTPUTS]) {
+static void list_outputs(const struct app_render_request *r, struct app_output output[OUTPUTS]) {
     const bool png = app_ends_in(r->output, ".png");
     output[0] = (struct app_output){r->output, png ? FILEIO_APPEND : FILEIO_SEEK, NULL};
     output[1] = (struct app_output){r->png, FILEIO_APPEND, NULL};
@@ -194,7 +46,7 @@ static void list_outputs(const struct request *r, struct app_output output[OUTPU
     output[3] = (struct app_output){r->save, FILEIO_APPEND, r->load};
 }
 
-static int check_outputs(struct request *r) {
+static int check_outputs(struct app_render_request *r) {
     if (r->want_png && !r->png && !app_ends_in(r->output, ".png")) {
         r->png = r->png_beside = png_name(r->output);
         if (!r->png) return app_no_memory();
@@ -209,7 +61,7 @@ static int check_outputs(struct request *r) {
 }
 
 // Writes the statistics of the film and those of writing it.
-static satin_status write_stats(const struct request *r, const satin_film *film,
+static satin_status write_stats(const struct app_render_request *r, const satin_film *film,
                                 const struct stats *written, struct log log) {
     const char *stats = satin_film_stats(film);
     if (!stats) return SATIN_OK;
@@ -220,8 +72,8 @@ static satin_status write_stats(const struct request *r, const satin_film *film,
     return status;
 }
 
-static satin_status write_outputs(const struct request *r, const satin_film *film, int threads,
-                                  struct log log) {
+static satin_status write_outputs(const struct app_render_request *r, const satin_film *film,
+                                  int threads, struct log log) {
     struct stats written = {.count = 0};
     satin_status status;
     if (app_ends_in(r->output, ".png")) {
@@ -241,8 +93,8 @@ static satin_status write_outputs(const struct request *r, const satin_film *fil
     return png != SATIN_OK ? png : json;
 }
 
-static void print_summary(const struct request *r, const satin_film *film, satin_status rendered,
-                          double seconds) {
+static void print_summary(const struct app_render_request *r, const satin_film *film,
+                          satin_status rendered, double seconds) {
     int width, height;
     if (r->quiet) return;
     satin_film_size(film, &width, &height);
@@ -251,7 +103,7 @@ static void print_summary(const struct request *r, const satin_film *film, satin
     if (r->png) fprintf(stderr, "%s\n", r->png);
 }
 
-static satin_status render_scene(const struct request *r, const satin_scene *scene,
+static satin_status render_scene(const struct app_render_request *r, const satin_scene *scene,
                                  struct app_progress *progress, double start) {
     struct log file_log = {app_log_file, progress};
     satin_options options;
@@ -276,7 +128,7 @@ static satin_status render_scene(const struct request *r, const satin_scene *sce
     return status;
 }
 
-static int load_and_render(struct request *r) {
+static int load_and_render(struct app_render_request *r) {
     struct app_progress progress;
     satin_scene *scene = NULL;
     double start = stats_wall();
@@ -285,8 +137,10 @@ static int load_and_render(struct request *r) {
     app_progress_start(&progress, r->quiet);
     app_set_reading(true);
     app_catch_signals();
-    satin_status status = satin_scene_load_with(r->scene, r->define, r->define_count,
-                                                r->scene_flags, app_log_file, &progress, &scene);
+    const satin_scene_request request = {r->define, r->define_count,
+                                         r->scene_flags | SATIN_SCENE_STREAM, r->sensor};
+    satin_status status =
+        satin_scene_load_request(r->scene, &request, app_log_file, &progress, &scene);
     app_set_reading(false);
     if (status != SATIN_OK) return app_exit_of(status);
     struct app_output output[OUTPUTS];
@@ -298,10 +152,11 @@ static int load_and_render(struct request *r) {
 }
 
 int app_render(int argc, char **argv) {
-    struct request r = {0};
+    struct app_render_request r = {0};
     r.define = calloc((size_t)argc + 1, sizeof *r.define);
-    r.setting = calloc((size_t)argc + 1, sizeof *r.setting);
-    int result = r.define && r.setting ? read_render_arguments(argc, argv, &r) : app_no_memory();
+    // An argument sets at most four options.
+    r.setting = calloc(4 * (size_t)argc + 1, sizeof *r.setting);
+    int result = r.define && r.setting ? app_render_read(argc, argv, &r) : app_no_memory();
     if (result == APP_DONE && r.help)
         result = app_help(1, (char *[]){"render"});
     else if (result == APP_DONE)

@@ -63,6 +63,49 @@ satin_status fileio_read(struct log log, struct log_place place, const char *pat
     return SATIN_OK;
 }
 
+// Reads at most `max_bytes` until the end, to *data from malloc with space for one byte more.
+// Returns NULL, or why it failed; a text of length 0 means lack of memory.
+static const char *read_to_end(int fd, size_t max_bytes, char **data, size_t *size) {
+    size_t capacity = 0;
+    for (;;) {
+        if (*size + 1 >= capacity) {
+            capacity = capacity ? 2 * capacity : (size_t)1 << 16;
+            char *grown = realloc(*data, capacity);
+            if (!grown) return "";
+            *data = grown;
+        }
+        const ssize_t n = read(fd, *data + *size, capacity - 1 - *size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) return strerror(errno);
+        if (n == 0) return NULL;
+        *size += (size_t)n;
+        if (*size > max_bytes) return "it is too large";
+    }
+}
+
+satin_status fileio_read_stream(struct log log, struct log_place place, const char *path,
+                                size_t max_bytes, char **data, size_t *size) {
+    struct stat st;
+    // What is not there, or is a regular file or a folder, is read or refused as usual.
+    if (stat(path, &st) != 0 || S_ISREG(st.st_mode) || S_ISDIR(st.st_mode))
+        return fileio_read(log, place, path, max_bytes, data, size);
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return read_failed(log, place, path, strerror(errno));
+    char *buffer = NULL;
+    size_t length = 0;
+    const char *why = read_to_end(fd, max_bytes, &buffer, &length);
+    close(fd);
+    if (!why) {
+        buffer[length] = 0;
+        *data = buffer;
+        *size = length;
+        return SATIN_OK;
+    }
+    free(buffer);
+    if (*why) return read_failed(log, place, path, why);
+    return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory to read it", path);
+}
+
 satin_status fileio_write(struct log log, const char *path, const void *data, size_t size) {
     struct fileio_output out;
     satin_status status = fileio_output_open(log, path, FILEIO_APPEND, &out);

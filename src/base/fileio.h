@@ -14,6 +14,11 @@
 satin_status fileio_read(struct log log, struct log_place place, const char *path, size_t max_bytes,
                          char **data, size_t *size);
 
+// Reads a file of any kind until its end: also a pipe, whose writer it waits for, and a device. In
+// all else it is fileio_read.
+satin_status fileio_read_stream(struct log log, struct log_place place, const char *path,
+                                size_t max_bytes, char **data, size_t *size);
+
 // Writes `size` bytes to `path`, as fileio_output.h describes. SATIN_ERROR_IO, logged, on failure.
 satin_status fileio_write(struct log log, const char *path, const void *data, size_t size);
 

@@ -18,8 +18,8 @@ struct satin_film *film_new(int width, int height, const char *const *channel_na
     struct satin_film *film = calloc(1, sizeof *film);
     if (!film) return NULL;
     size_t count = (size_t)channel_count, pixels = (size_t)width * (size_t)height;
-    film->width = width;
-    film->height = height;
+    film->width = film->full_width = width;
+    film->height = film->full_height = height;
     film->channel_name = calloc(count + 1, sizeof *film->channel_name);
     film->channel = calloc(count + 1, sizeof *film->channel);
     if (!film->channel_name || !film->channel) goto fail;
@@ -95,6 +95,13 @@ const char *film_attribute_get(const struct satin_film *film, const char *name) 
 void satin_film_size(const satin_film *film, int *width, int *height) {
     *width = film->width;
     *height = film->height;
+}
+
+void satin_film_window(const satin_film *film, int *x, int *y, int *full_width, int *full_height) {
+    *x = film->x;
+    *y = film->y;
+    *full_width = film->full_width;
+    *full_height = film->full_height;
 }
 
 const char *satin_film_channel_name(const satin_film *film, int index) {

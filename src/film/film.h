@@ -16,6 +16,7 @@ struct film_attribute {
 
 struct satin_film {
     int width, height;
+    int x, y, full_width, full_height;  // see satin_film_window
     int channel_count;
     char **channel_name;
     float **channel;  // each width * height

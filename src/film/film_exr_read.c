@@ -120,6 +120,23 @@ static satin_status make_film(struct reader *r, const exr_attr_chlist_t *channel
     return r->film ? SATIN_OK : exr_refuse(r, "", EXR_ERR_OUT_OF_MEMORY);
 }
 
+// Sets where the film lies in the display window, unless that window is empty or far off.
+static void set_film_window(struct reader *r) {
+    exr_attr_box2i_t whole;
+    if (exr_get_display_window(r->exr, 0, &whole) != EXR_ERR_SUCCESS) return;
+    const int64_t x = (int64_t)r->window.min.x - whole.min.x;
+    const int64_t y = (int64_t)r->window.min.y - whole.min.y;
+    const int64_t width = (int64_t)whole.max.x - whole.min.x + 1;
+    const int64_t height = (int64_t)whole.max.y - whole.min.y + 1;
+    if (x < -WIDTH_MAX || x > WIDTH_MAX || y < -WIDTH_MAX || y > WIDTH_MAX || width < 1 ||
+        width > WIDTH_MAX || height < 1 || height > WIDTH_MAX || r->height > WIDTH_MAX)
+        return;
+    r->film->x = (int)x;
+    r->film->y = (int)y;
+    r->film->full_width = (int)width;
+    r->film->full_height = (int)height;
+}
+
 static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     const exr_attr_chlist_t *channels = NULL;
     exr_compression_t compression = EXR_COMPRESSION_NONE;
@@ -133,7 +150,9 @@ static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     const char *why = unsupported(*storage, compression, channels);
     if (!why) why = read_exr_size(r, channels);
     if (why) return log_fail(r->log, SATIN_ERROR_INPUT, "%s: %s", r->name, why);
-    return make_film(r, channels);
+    status = make_film(r, channels);
+    if (status == SATIN_OK) set_film_window(r);
+    return status;
 }
 
 // Whether an attribute describes the structure of the file and not the image.

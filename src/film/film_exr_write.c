@@ -75,7 +75,7 @@ static exr_result_t encode_chunk(const struct writer *w, int index, struct exr_c
     int width = w->film->width, y = index * w->lines;
     exr_chunk_info_t info;
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
-    exr_result_t r = exr_write_scanline_chunk_info(w->exr, 0, y, &info);
+    exr_result_t r = exr_write_scanline_chunk_info(w->exr, 0, w->film->y + y, &info);
     if (r != EXR_ERR_SUCCESS) return r;
     size_t values = (size_t)width * (size_t)info.height;
     float *copy = malloc((size_t)w->film->channel_count * values * sizeof *copy);
@@ -125,8 +125,8 @@ static exr_result_t write_batch(struct writer *w, int count, struct parallel *po
         struct exr_chunk *chunk = &w->chunk[i];
         if (r == EXR_ERR_SUCCESS) r = chunk->result;
         if (r == EXR_ERR_SUCCESS)
-            r = exr_write_scanline_chunk(w->exr, 0, (w->first + i) * w->lines, chunk->data,
-                                         chunk->bytes);
+            r = exr_write_scanline_chunk(w->exr, 0, w->film->y + (w->first + i) * w->lines,
+                                         chunk->data, chunk->bytes);
         *dropped += chunk->dropped;
         free(chunk->data);
     }
@@ -141,14 +141,24 @@ static bool has_long_name(const struct satin_film *film) {
     return false;
 }
 
+// The display window is the whole image, the data window is what the film has of it.
+static exr_result_t set_windows(exr_context_t exr, const struct satin_film *film) {
+    const exr_attr_box2i_t whole = {.max.x = film->full_width - 1, .max.y = film->full_height - 1};
+    const exr_attr_box2i_t data = {.min.x = film->x,
+                                   .min.y = film->y,
+                                   .max.x = film->x + film->width - 1,
+                                   .max.y = film->y + film->height - 1};
+    const exr_attr_v2f_t centre = {.x = 0.0f};
+    return exr_initialize_required_attr(exr, 0, &whole, &data, 1.0f, &centre, 1.0f,
+                                        EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+}
+
 static exr_result_t write_header(struct writer *w) {
     const struct satin_film *film = w->film;
     int part = 0;
     exr_result_t r = exr_set_longname_support(w->exr, has_long_name(film));
     if (r == EXR_ERR_SUCCESS) r = exr_add_part(w->exr, NULL, EXR_STORAGE_SCANLINE, &part);
-    if (r == EXR_ERR_SUCCESS)
-        r = exr_initialize_required_attr_simple(w->exr, 0, film->width, film->height,
-                                                EXR_COMPRESSION_ZIP);
+    if (r == EXR_ERR_SUCCESS) r = set_windows(w->exr, film);
     for (int i = 0; r == EXR_ERR_SUCCESS && i < film->channel_count; i++)
         r = exr_add_channel(w->exr, 0, film->channel_name[i], EXR_PIXEL_FLOAT,
                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/fileio.h"
+#include "base/text.h"
 #include "load/load_state.h"
 #include "load/load_warnings.h"
 
@@ -79,9 +80,42 @@ static const struct plugin_spec scene_spec = {.tag = XML_SCENE,
                                                           1u << XML_TEXTURE | 1u << XML_EMITTER |
                                                           1u << XML_SENSOR | 1u << XML_INTEGRATOR};
 
-static satin_status build_sensor(struct load_state *loader, struct xml_node *node, int *count) {
-    if ((*count)++ == 0) return load_sensor(loader, node);
-    log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
+// The sensor of the scene that is used, or NULL: the first one, or the one of the wanted id, else
+// of the wanted index. If the wanted one is missing, logs an error and returns false.
+static bool find_sensor(struct load_state *loader, const struct xml_node **out) {
+    const char *wanted = loader->sensor;
+    struct text_nearest search = {.word = wanted};
+    double index = -1.0;
+    int count = 0;
+    *out = NULL;
+    if (wanted && !text_double(wanted, &index)) index = -1.0;
+    for (const struct xml_node *node = loader->xml.root->child; node; node = node->next) {
+        if (node->tag != XML_SENSOR) continue;
+        if (wanted && node->id && strcmp(node->id, wanted) == 0) {
+            *out = node;
+            return true;
+        }
+        if (wanted && node->id) text_nearest_try(&search, node->id);
+        if (wanted ? (double)count == index : count == 0) *out = node;
+        count++;
+    }
+    // A scene without sensors is refused later.
+    if (*out || !count) return true;
+    if (search.best)
+        log_error_at(loader->log, loader->xml.root->place,
+                     "the scene has no sensor '%s' (did you mean '%s'?)", wanted, search.best);
+    else
+        log_error_at(loader->log, loader->xml.root->place,
+                     "the scene has no sensor '%s'; the index of its last one is %d", wanted,
+                     count - 1);
+    return false;
+}
+
+static satin_status build_sensor(struct load_state *loader, struct xml_node *node,
+                                 const struct xml_node *used) {
+    if (node == used) return load_sensor(loader, node);
+    if (!loader->sensor)
+        log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
     struct params p;
     return load_params(loader, node, &p);
 }
@@ -89,17 +123,17 @@ static satin_status build_sensor(struct load_state *loader, struct xml_node *nod
 // Builds shapes, lights, camera and integrator. Materials and textures are built when they are
 // referred to.
 static satin_status build_objects(struct load_state *loader) {
-    int sensors = 0;
+    const struct xml_node *sensor;
     int32_t light;
-    satin_status status = SATIN_OK;
+    satin_status status = find_sensor(loader, &sensor) ? SATIN_OK : SATIN_ERROR_INPUT;
     for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
          node = node->next) {
         if (node->tag == XML_SHAPE) status = load_shape_add(loader, node);
         if (node->tag == XML_EMITTER) status = load_emitter_add(loader, node, -1, &light);
-        if (node->tag == XML_SENSOR) status = build_sensor(loader, node, &sensors);
+        if (node->tag == XML_SENSOR) status = build_sensor(loader, node, sensor);
         if (node->tag == XML_INTEGRATOR) status = load_integrator(loader, node);
     }
-    if (status == SATIN_OK && sensors == 0) {
+    if (status == SATIN_OK && !sensor) {
         log_error_at(loader->log, loader->xml.root->place, "the scene has no <sensor>");
         return SATIN_ERROR_INPUT;
     }
@@ -191,25 +225,41 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
 satin_status satin_scene_load_with(const char *path, const satin_define *defines,
                                    size_t define_count, unsigned flags, satin_log_fn log,
                                    void *log_user, satin_scene **scene) {
+    const satin_scene_request request = {defines, define_count, flags, NULL};
+    return satin_scene_load_request(path, &request, log, log_user, scene);
+}
+
+// Reads the scene file, and begins the hashes with its bytes and with the choice of a sensor.
+static satin_status read_scene_file(struct load_state *loader, const satin_scene_request *request) {
+    struct satin_scene *scene = loader->scene;
+    const char *sensor = request->sensor;
+    scene->hash = FILEIO_HASH;
+    scene->environment = -1;
+    scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
+    if (sensor) scene->hash = fileio_hash(scene->hash, sensor, strlen(sensor) + 1);
+    const satin_status status =
+        load_xml_read(loader->log, loader->path, (request->flags & SATIN_SCENE_STREAM) != 0,
+                      request->defines, request->define_count, &scene->hash, &loader->xml);
+    // The contents of further files are added to the world's hash when they are read.
+    if (status == SATIN_OK) scene->world = hash_world(FILEIO_HASH, loader->xml.root);
+    return status;
+}
+
+satin_status satin_scene_load_request(const char *path, const satin_scene_request *request,
+                                      satin_log_fn log, void *log_user, satin_scene **scene) {
     const struct stats_span begin = stats_span_begin();
-    struct load_warnings warnings = {.to = {log, log_user},
-                                     .strict = (flags & SATIN_SCENE_STRICT) != 0};
-    struct load_state loader = {.log = load_warnings_log(&warnings),
-                                .each = load_warnings_each(&warnings),
-                                .path = path,
-                                .lenient = (flags & SATIN_SCENE_LENIENT) != 0};
-    if (!path || !scene || (define_count && !defines))
+    struct load_warnings warnings = {
+        .to = {log, log_user}, .strict = request && (request->flags & SATIN_SCENE_STRICT) != 0};
+    struct load_state loader = {
+        .log = load_warnings_log(&warnings), .each = load_warnings_each(&warnings), .path = path};
+    if (!path || !scene || !request || (request->define_count && !request->defines))
         return log_fail(loader.log, SATIN_ERROR_ARGUMENT, "satin_scene_load: NULL argument");
     loader.scene = calloc(1, sizeof *loader.scene);
     if (!loader.scene) return load_no_memory(&loader);
-    loader.scene->hash = FILEIO_HASH;
-    loader.scene->environment = -1;
-    loader.scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
-    satin_status status =
-        load_xml_read(loader.log, path, defines, define_count, &loader.scene->hash, &loader.xml);
-    // The contents of further files are added to the world's hash when they are read.
+    loader.lenient = (request->flags & SATIN_SCENE_LENIENT) != 0;
+    loader.sensor = request->sensor;
+    satin_status status = read_scene_file(&loader, request);
     if (status == SATIN_OK) {
-        loader.scene->world = hash_world(FILEIO_HASH, loader.xml.root);
         status = load_all(&loader);
         const uint64_t world = loader.scene->world;
         loader.scene->hash = fileio_hash(loader.scene->hash, &world, sizeof world);

@@ -11,12 +11,19 @@
 #include "load/load_build.h"
 #include "load/load_xml.h"
 
+// The file beside which the names in a file are searched. Standard input and other open files have
+// no folder of their own: their names are relative to the current one.
+static const char *base_of(const struct load_xml *xml, const char *file) {
+    return xml->stream && strcmp(file, xml->path) == 0 && strncmp(file, "/dev/", 5) == 0 ? ""
+                                                                                         : file;
+}
+
 char *load_xml_resolve(const struct load_xml *xml, struct log_place place, const char *name) {
-    char *first = fileio_beside(place.file, name);
+    char *first = fileio_beside(base_of(xml, place.file), name);
     if (!first || access(first, F_OK) == 0) return first;
     // The folders of <path> from the last to the first, then that of the main file.
     for (int i = xml->search_count - 1; i >= -1; i--) {
-        char *path = fileio_beside(i < 0 ? xml->path : xml->search[i], name);
+        char *path = fileio_beside(i < 0 ? base_of(xml, xml->path) : xml->search[i], name);
         if (!path || access(path, F_OK) == 0) {
             free(first);
             return path;

@@ -11,9 +11,10 @@
 
 struct load_state {
     struct log log;
-    const char *path;  // of the main file
-    bool lenient;      // missing or unknown objects are left out, with a warning
-    struct log each;   // log for those warnings, which are not counted but passed on at once
+    const char *path;    // of the main file
+    const char *sensor;  // the id or the index of the sensor to use; NULL: the first one
+    bool lenient;        // missing or unknown objects are left out, with a warning
+    struct log each;     // log for those warnings, which are not counted but passed on at once
     struct load_xml xml;
     struct satin_scene *scene;  // the scene that is built; the arrays below become its arrays at
                                 // the end

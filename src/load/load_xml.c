@@ -302,7 +302,10 @@ static satin_status read_xml_file(struct xml_reader *reader, const struct file *
                                   struct log_place place, const char *path, const char *name) {
     char *data = NULL;
     size_t size = 0;
-    satin_status status = fileio_read(reader->log, place, path, LOAD_XML_MAX, &data, &size);
+    satin_status status =
+        !parent && reader->xml->stream
+            ? fileio_read_stream(reader->log, place, path, LOAD_XML_MAX, &data, &size)
+            : fileio_read(reader->log, place, path, LOAD_XML_MAX, &data, &size);
     if (status != SATIN_OK) return reader->status = status;
     if (!fileio_files_add(reader->xml->read, path)) {
         free(data);
@@ -346,9 +349,10 @@ static satin_status check_defines(const struct xml_reader *reader, const char *p
     return SATIN_OK;
 }
 
-satin_status load_xml_read(struct log log, const char *path, const satin_define *defines,
-                           size_t define_count, uint64_t *hash, struct load_xml *out) {
-    struct load_xml xml = {0};
+satin_status load_xml_read(struct log log, const char *path, bool stream,
+                           const satin_define *defines, size_t define_count, uint64_t *hash,
+                           struct load_xml *out) {
+    struct load_xml xml = {.stream = stream};
     struct xml_reader reader = {.log = log, .xml = &xml, .hash = hash};
     for (size_t i = 0; i < define_count; i++) {
         *hash = fileio_hash(*hash, defines[i].name, strlen(defines[i].name) + 1);

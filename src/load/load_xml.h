@@ -87,14 +87,17 @@ struct load_xml {
     size_t id_count, id_capacity;
     struct fileio_files *read;           // the files that were read, owned
     const char *path;                    // of the main file
+    bool stream;                         // whether the main file may be a pipe or a device
     const char *search[XML_SEARCH_MAX];  // folders of <path>, in order
     int search_count;
 };
 
-// Reads `path` and the files that it includes. Continues *hash over all bytes and over the defines.
-// The caller frees *out with load_xml_free.
-satin_status load_xml_read(struct log log, const char *path, const satin_define *defines,
-                           size_t define_count, uint64_t *hash, struct load_xml *out);
+// Reads `path` and the files that it includes; if `stream` is true, `path` may be a pipe or a
+// device. Continues *hash over all bytes and over the defines. The caller frees *out with
+// load_xml_free.
+satin_status load_xml_read(struct log log, const char *path, bool stream,
+                           const satin_define *defines, size_t define_count, uint64_t *hash,
+                           struct load_xml *out);
 void load_xml_free(struct load_xml *xml);
 
 // The path of a file that the element at `place` names: relative to the file of that place, to the

@@ -46,7 +46,22 @@ const satin_options satin_options_default = {
     .leak_test = true,
 };
 
+// Sets the fields that are 0 to their defaults.
+static void fill_zeroed(satin_options *options) {
+    static const satin_options zero;
+    char of_zero[OPTION_TEXT_SIZE], value[OPTION_TEXT_SIZE];
+    for (int i = 0; i < options_table_count; i++) {
+        const struct option *option = &options_table[i];
+        option_print(option, options, value, sizeof value);
+        option_print(option, &zero, of_zero, sizeof of_zero);
+        if (strcmp(value, of_zero) != 0) continue;
+        option_print(option, &satin_options_default, value, sizeof value);
+        option_parse(option, value, options);
+    }
+}
+
 void satin_options_preset(satin_options *options, satin_quality quality) {
+    if (options->photon_k == 0) fill_zeroed(options);
     options_quality_preset(options, quality);
     options->quality = quality;
 }

@@ -17,6 +17,7 @@ static const size_t BYTES_MAX = (size_t)1 << 38;
 static const char *const free_options[] = {
     "quality",   "integrator",      "spp",           "adaptive-sampling",
     "width",     "height",          "seed",          "threads",
+    "crop-x",    "crop-y",          "crop-width",    "crop-height",
     "time",      "hide-emitters",   "light-samples", "glossy-samples",
     "caustic-k", "caustic-photons", "record-maps",   "denoise",
 };
@@ -46,7 +47,11 @@ static uint64_t view_hash(const struct render *r) {
     const satin_options *o = &r->options;
     if (o->time > 0.0) return 0;
     const uint64_t view[4] = {r->scene.hash, (uint64_t)o->width, (uint64_t)o->height, o->seed};
-    return fileio_hash(FILEIO_HASH, view, sizeof view);
+    const uint64_t hash = fileio_hash(FILEIO_HASH, view, sizeof view);
+    if (o->crop_width < 1 || o->crop_height < 1) return hash;
+    const struct film_spec *film = &r->scene.film;
+    const int32_t window[4] = {film->width, film->height, film->crop_x, film->crop_y};
+    return fileio_hash(hash, window, sizeof window);
 }
 
 // The provenance of this render's records; its options are NULL if there is no memory. The caller

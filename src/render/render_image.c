@@ -37,6 +37,12 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
     image->film = render_film_new(width, height, aovs, options);
+    if (image->film) {
+        image->film->x = scene->film.crop_x;
+        image->film->y = scene->film.crop_y;
+        image->film->full_width = scene->film.width;
+        image->film->full_height = scene->film.height;
+    }
     bool ok = image->pixel && image->film && (image->aov || !aovs->values);
     if (ok && options->denoise) ok = render_denoise_memory(image);
     if (ok && adaptive_make(&image->adapt, width, height, options->light_samples)) return image;

@@ -32,7 +32,13 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set_parts(&r->stats, r->pool);
     char hash[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->scene.hash);
-    char *options = options_text(&r->second_pass.options);
+    satin_options used = r->second_pass.options;
+    // With a crop, these two options are the size of the whole film, so that --set takes them back.
+    if (used.crop_width > 0 && used.crop_height > 0) {
+        used.width = r->scene.film.width;
+        used.height = r->scene.film.height;
+    }
+    char *options = options_text(&used);
     free(film->stats);
     film->stats = stats_json(&r->stats);
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&

@@ -31,6 +31,30 @@ static void resize(struct satin_scene *scene, int width, int height) {
     film->crop_height = height;
 }
 
+// Replaces the scene's crop window by that of the options, after the film has got its size.
+static satin_status set_film(struct satin_scene *scene, const satin_options *o, struct log log) {
+    struct film_spec *film = &scene->film;
+    const bool crop = o->crop_width > 0 && o->crop_height > 0;
+    if (crop) {
+        film->crop_x = film->crop_y = 0;
+        film->crop_width = film->width;
+        film->crop_height = film->height;
+    }
+    resize(scene, o->width, o->height);
+    if (!crop) return SATIN_OK;
+    if ((int64_t)o->crop_x + o->crop_width > film->width ||
+        (int64_t)o->crop_y + o->crop_height > film->height)
+        return log_fail(log, SATIN_ERROR_INPUT,
+                        "the crop of %dx%d pixels at (%d, %d) is not inside of the film of %dx%d",
+                        o->crop_width, o->crop_height, o->crop_x, o->crop_y, film->width,
+                        film->height);
+    film->crop_x = o->crop_x;
+    film->crop_y = o->crop_y;
+    film->crop_width = o->crop_width;
+    film->crop_height = o->crop_height;
+    return SATIN_OK;
+}
+
 // Checks that every name in material_cache is that of a material, whether or not this render uses
 // caches.
 static satin_status check_materials(const struct satin_scene *scene, const satin_options *o,
@@ -63,13 +87,14 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     satin_options *o = &r->options;
     r->scene = *scene;
     *o = *options;
-    resize(&r->scene, o->width, o->height);
+    satin_status status = set_film(&r->scene, o, r->log);
+    if (status != SATIN_OK) return status;
     o->width = r->scene.film.crop_width;
     o->height = r->scene.film.crop_height;
     if ((int64_t)o->width * o->height > INT32_MAX)
         return log_fail(r->log, SATIN_ERROR_INPUT, "a film of %d x %d pixels is too large",
                         o->width, o->height);
-    satin_status status = check_materials(scene, o, r->log);
+    status = check_materials(scene, o, r->log);
     if (status != SATIN_OK) return status;
     o->max_depth = resolve_value(o->max_depth, -2, hints->max_depth, -2, -1);
     o->rr_depth = resolve_value(o->rr_depth, 0, hints->rr_depth, 0, 5);

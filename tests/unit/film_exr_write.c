@@ -81,6 +81,28 @@ static void threads_do_not_change_the_bytes_of_a_file(void **state) {
     unlink("threads.exr");
 }
 
+static void the_window_of_a_crop_is_kept(void **state) {
+    (void)state;
+    struct satin_film *film = film_exr_write_noisy(9, 40), *back = NULL;
+    int x, y, width, height;
+    satin_film_window(film, &x, &y, &width, &height);
+    assert_true(x == 0 && y == 0 && width == 9 && height == 40);
+    film->x = 5;
+    film->y = 7;
+    film->full_width = 30;
+    film->full_height = 50;
+    assert_int_equal(satin_film_write_exr(film, "crop.exr", NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_film_read("crop.exr", NULL, NULL, &back), SATIN_OK);
+    satin_film_window(back, &x, &y, &width, &height);
+    assert_true(x == 5 && y == 7 && width == 30 && height == 50);
+    satin_film_size(back, &width, &height);
+    assert_true(width == 9 && height == 40);
+    assert_memory_equal(satin_film_channel(back, "B"), film->channel[2], 9 * 40 * sizeof(float));
+    satin_film_free(back);
+    satin_film_free(film);
+    unlink("crop.exr");
+}
+
 static void values_that_are_not_finite_become_zero(void **state) {
     (void)state;
     struct satin_film *film = film_exr_write_noisy(8, 20), *back = NULL;
@@ -130,6 +152,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(writing_and_reading_return_the_same),
         cmocka_unit_test(threads_do_not_change_the_bytes_of_a_file),
+        cmocka_unit_test(the_window_of_a_crop_is_kept),
         cmocka_unit_test(values_that_are_not_finite_become_zero),
         cmocka_unit_test(a_failure_leaves_no_file),
     };

@@ -54,7 +54,7 @@ static satin_status read_params(struct scene_case *c, const char *body, struct l
     scene_case_file("scene.xml", file);
     uint64_t hash = FILEIO_HASH;
     struct log log = scene_case_begin(c);
-    assert_int_equal(load_xml_read(log, "scene.xml", NULL, 0, &hash, xml), SATIN_OK);
+    assert_int_equal(load_xml_read(log, "scene.xml", false, NULL, 0, &hash, xml), SATIN_OK);
     return params_read((struct param_source){log, xml, NULL}, &plugin, xml->root->last, out);
 }
 

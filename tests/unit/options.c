@@ -46,6 +46,29 @@ static void presets_set_what_they_decide(void **state) {
     assert_int_equal(options_quality_spp(SATIN_DRAFT), 9);
 }
 
+// A struct that was zeroed, or in which only some fields were set, renders as the defaults do.
+static void presets_fill_zeroed_structs(void **state) {
+    (void)state;
+    satin_options o = {0}, wanted = satin_options_default;
+    satin_options_preset(&o, SATIN_DRAFT);
+    satin_options_preset(&wanted, SATIN_DRAFT);
+    assert_int_equal(o.max_depth, -2);
+    assert_true(same_fields(&o, &wanted));
+    // A preset of options that are complete changes nothing else, even where they are 0.
+    o.max_depth = 0;
+    o.leak_test = false;
+    satin_options_preset(&o, SATIN_PRODUCTION);
+    assert_int_equal(o.max_depth, 0);
+    assert_false(o.leak_test);
+    satin_options some = {.spp = 7, .seed = UINT64_MAX, .max_depth = 3};
+    satin_options_preset(&some, SATIN_PRODUCTION);
+    assert_int_equal(some.spp, 7);
+    assert_int_equal(some.max_depth, 3);
+    assert_true(some.seed == UINT64_MAX && some.leak_test);
+    assert_int_equal(some.hide_emitters, -1);
+    assert_int_equal(some.photons, 1000000);
+}
+
 // Every default and preset is inside its own range: its text parses to the same value.
 static void presets_are_in_range(void **state) {
     (void)state;
@@ -203,6 +226,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(limits_of_arrays_are_those_of_options),
         cmocka_unit_test(presets_set_what_they_decide),
+        cmocka_unit_test(presets_fill_zeroed_structs),
         cmocka_unit_test(presets_are_in_range),
         cmocka_unit_test(values_are_checked),
         cmocka_unit_test(messages_suggest_a_correction),

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `satin render` is asked for, as its arguments have it.
+#ifndef APP_RENDER_H
+#define APP_RENDER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "satin/render.h"
+
+// The texts are those of the arguments, except for png_beside.
+struct app_render_request {
+    const char *scene, *output, *png, *stats, *load, *save, *sensor;
+    bool want_png, quiet, help;
+    satin_tonemap tonemap;
+    unsigned scene_flags;
+    satin_define *define;
+    satin_setting *setting;
+    size_t define_count, setting_count;
+    char *png_beside;  // name of a PNG that was asked for without a name; owned
+};
+
+// Reads the arguments after `render`. `define` and `setting` have space for as many entries as
+// there are arguments, `setting` for four times as many. Reports an error and returns APP_WRONG.
+int app_render_read(int argc, char **argv, struct app_render_request *r);
+
+#endif
