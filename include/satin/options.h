@@ -85,7 +85,8 @@ typedef struct satin_options {
     int photon_k;             // photons in a density estimate of the global map
     int caustic_k;            // photons in a density estimate of the caustic map
     bool caustic_smooth;      // removes the noise of photons from caustics
-    int recursive_bounces;    // indirect bounces for which first pass `recursive` makes records
+    int recursive_bounces;    // indirect bounces for which first pass `recursive` makes records;
+                              // the first is at what gather rays from the image's surfaces hit
     bool photon_area;         // divides by the area of the surface in the disc
 
     // Gathering.

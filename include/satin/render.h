@@ -15,8 +15,8 @@ extern "C" {
 // options do not need are left out:
 //   photons           photon maps and the first-pass radiance estimate
 //   BRDF tables       glossy BRDFs in harmonics
-//   indirect bounces  records of the indirect bounces beyond the first, by first pass `recursive`
-//   records           records of the first indirect bounce, at what the image shows
+//   indirect bounces  records at the surfaces of indirect bounces, by first pass `recursive`
+//   records           records at the surfaces that the image shows
 //   image             samples of the pixels
 //   denoising         if options->denoise asks for it
 // `done` is the fraction of the stage in [0, 1]. `rate` is the number of items of the stage per

@@ -89,8 +89,8 @@ const struct option options_table[] = {
      "Averages estimates of the caustic map over a wider neighbourhood where they differ by no "
      "more than their noise."},
     {"recursive-bounces", OPTION_INT, AT(recursive_bounces), false, "1..8",
-     "Number of indirect bounces for which first pass recursive makes records, counted from the "
-     "eye. Beyond the last of them it traces paths."},
+     "Number of indirect bounces for which first pass recursive makes records; the first is where "
+     "gather rays from what the image shows hit. Beyond the last of them it traces paths."},
     {"photon-area", OPTION_BOOL, AT(photon_area), false, "off|on",
      "Divides density estimates by the area of the surface that lies inside the disc, not by the "
      "area of the disc."},

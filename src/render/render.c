@@ -108,8 +108,7 @@ static satin_status brdf_tables(struct render *r) {
     return render_limit_end(r, status);
 }
 
-// If gather rays read them, makes the records of the indirect bounces beyond the first, beginning
-// with the last bounce.
+// If gather rays read them, makes the records of the indirect bounces, beginning with the last.
 static satin_status bounce_records(struct render *r) {
     return render_steps(r)->records ? render_bounces(r) : SATIN_OK;
 }

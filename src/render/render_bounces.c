@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// First pass `recursive` [K05 2.1]: records for each indirect bounce beyond the first. The records
-// of the last bounce are made first. Those of bounce i are gathered with i segments fewer than
-// max_depth; their gather rays read the records of bounce i + 1, which are complete by then. Sites
-// are the ends of random walks from the image, and the records depend on these alone. If a gather
-// ray finds no record near its hit, its path continues instead.
+// First pass `recursive` [K05 2.1]: records for each indirect bounce. Bounce 1 is at the surfaces
+// that gather rays from the image hit; the records of the last bounce are made first. Those of
+// bounce i are gathered with i segments fewer than max_depth; their gather rays read the records of
+// bounce i + 1, which are complete by then. Sites are the ends of random walks from the image, and
+// the records depend on these alone. If a gather ray finds no record near its hit, its path
+// continues instead.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -93,8 +94,8 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
     return status;
 }
 
-// The number of bounces that paths can have: the shortest path that uses a record of the first
-// bounce made here has four segments, from the eye to the light.
+// The number of bounces that paths can have: the shortest path that uses a record of bounce 1
+// has four segments, from the eye to the light.
 static int bounces_wanted(const satin_options *o) {
     if (o->first_pass != SATIN_FIRST_RECURSIVE) return 0;
     const int longest = o->max_depth - 3;

@@ -46,7 +46,7 @@ struct render_pace {
 
 void render_limit_photon_pilot(struct render *r);  // a sixteenth of the photons
 void render_limit_tables(struct render *r);        // BRDFs in harmonics
-// Records of further indirect bounces, which began at `start` [s since the render began], up to the
+// Records of indirect bounces, which began at `start` [s since the render began], up to the
 // fraction `done` of them.
 void render_limit_bounces(struct render *r, double start, double done);
 // Records. Their limit is the fraction of the remaining time that minimises the error of the image:
@@ -134,8 +134,8 @@ double render_budget_first_round(const struct render *r);
 // The distance of the pixels whose points adaptive caching compares, in both directions.
 int render_budget_adaptive_stride(int width, int height);
 
-// The number of random walks that search sites for records, for each indirect bounce beyond the
-// first; a power of two. Records are made only at uncovered sites: 2048, 8192, 32768 and 131072
+// The number of random walks that search sites for records, for each indirect bounce; a power
+// of two. Records are made only at uncovered sites: 2048, 8192, 32768 and 131072
 // walks made 843, 1151, 1245 and 1246 in cornell-glossy and 1231, 1737, 1912 and 1921 in
 // indirect-room (draft at 64x64). The first block of sites is from RENDER_WALKS_FIRST walks; each
 // further block doubles their number.

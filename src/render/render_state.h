@@ -15,8 +15,8 @@ enum render_stage {
     STAGE_SETUP,    // options, files and memory; like STAGE_FILM not reported, so not cancelled
     STAGE_PHOTONS,  // photons and the first-pass radiance estimate
     STAGE_TABLES,   // BRDFs in harmonics
-    STAGE_BOUNCES,  // records of the indirect bounces beyond the first
-    STAGE_RECORDS,  // records of the first indirect bounce
+    STAGE_BOUNCES,  // records at the surfaces of indirect bounces
+    STAGE_RECORDS,  // records at the surfaces that the eye sees
     STAGE_IMAGE,
     STAGE_DENOISE,
     STAGE_FILM
@@ -74,7 +74,7 @@ struct render_second_pass {
     satin_options options;  // of the render, but the integrator is that of the course
     struct gather gather;
     struct cache_tables tables;
-    struct render_bounce *bounces;  // records of the indirect bounces beyond the first
+    struct render_bounce *bounces;  // records of the indirect bounces; [0] has those of bounce 1
     int bounce_count;
     struct cache *cache;
     struct fill *fill;  // makes the records of the cache
@@ -147,8 +147,8 @@ struct gather render_gather(const struct render *r);
 satin_status render_direct(struct render *r);
 
 // ---- render_bounces.c
-// If the first pass is `recursive`, makes the records of the indirect bounces beyond the first,
-// which gather rays then read.
+// If the first pass is `recursive`, makes the records of the indirect bounces, which gather rays
+// then read.
 satin_status render_bounces(struct render *r);
 void render_bounces_free(struct render *r);
 

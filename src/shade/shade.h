@@ -116,8 +116,9 @@ rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, floa
 // with the members for fill_adapt. Returns their number, at most `max` (shade_sites.c).
 int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct fill_site *out,
                 int max);
-// Finds a site of indirect bounce `bounce`: the end of a random walk of that many bounces from
-// pixel (x, y). False if the walk ends before, or if its end needs no record.
+// Finds a site of indirect bounce `bounce`: the end of a random walk of that many bounces from a
+// surface that is seen in pixel (x, y). False if the walk ends before, or if its end needs no
+// record.
 bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill_site *out);
 
 #endif

@@ -34,6 +34,8 @@ RETIRED = {
     "relief|reliefs": "bump or normal map",
     "rough solution": "first-pass radiance estimate",
     "behind the image": "indirect bounce n",
+    "bounces? beyond the first|records? of the first (?:indirect )?bounce":
+        "indirect bounce n, of which 1 is at y; records of the image are at x",
     "grain|grains": "epsilon, noise, or chunk size",
     "memo|memos": "per-pixel cache",
     r"judge\w*": "evaluate",
