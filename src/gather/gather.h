@@ -175,20 +175,18 @@ void gather_singles_begin(struct gather_singles *singles);
 // has been asked for, or else they are searched now. Valid until the next call. Without option
 // guide-clusters there are none.
 struct gather_single_clusters;
-const struct gather_single_clusters *gather_single_find(const struct gather *g,
-                                                        const struct shading_point *p, float pixel,
-                                                        struct gather_singles *singles);
+struct gather_single_clusters *gather_single_find(const struct gather *g,
+                                                  const struct shading_point *p, float pixel,
+                                                  struct gather_singles *singles);
 // As brdf_sample for smooth lobes of the point, but some samples are directions to the clusters.
 // pdf_w is the density of the direction by both.
 bool gather_single_sample(const struct gather_single_clusters *clusters,
                           const struct shading_point *p, unsigned lobes, float u_lobe, vec2 u,
                           struct brdf_sample *out);
 // As gather_rays, for rays from the point: bounces from hits near it are guided too. The first such
-// hits decide to which clusters, for these and for all later ones; worker->singles, in which
-// `clusters` is, stores them.
-struct gather_worker;
-void gather_single_rays(const struct gather *g, const struct gather_worker *worker,
-                        const struct gather_single_clusters *clusters, struct gather_ray *rays,
+// hits decide to which clusters, for these and for all later ones; `clusters` stores them.
+void gather_single_rays(const struct gather *g, struct gather_scratch *scratch,
+                        struct gather_single_clusters *clusters, struct gather_ray *rays,
                         size_t count, uint64_t stream);
 
 // ---- Hemispheres (gather_hemisphere.c) ----------------------------------------------------------

@@ -50,9 +50,9 @@ struct path_vertex {
 };
 
 struct path {
-    struct sampler sampler;          // for all decisions, in the order in which they are made
-    const struct gather_near *near;  // photon clusters to which the first bounce is guided, or NULL
-    float E;                         // luminance of the first-pass irradiance at the first vertex
+    struct sampler sampler;            // for all decisions, in the order in which they are made
+    const struct gather_cones *cones;  // to which the first bounce is guided; NULL: to none
+    float E;                           // luminance of the first-pass irradiance at the first vertex
     struct path_vertex vertex[VERTICES];
 };
 
@@ -197,8 +197,8 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
     const vec2 u = sampler_2d(&path->sampler);
     if (u_lobe >= branch.probability) return false;
     u_lobe /= branch.probability;
-    if (branch.lobes == BRDF_DIFFUSE && v == path->vertex && path->near)
-        return gather_near_bounce(path->near, y, path->E, u_lobe, u, out);
+    if (branch.lobes == BRDF_DIFFUSE && v == path->vertex && path->cones)
+        return gather_near_bounce(path->cones, y, path->E, u_lobe, u, out);
     return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
 }
 
@@ -257,11 +257,11 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
 }
 
 rgb gather_bounces(const struct gather *g, const struct shading_point *y,
-                   struct gather_estimate estimate, const struct gather_near *near,
+                   struct gather_estimate estimate, const struct gather_cones *cones,
                    struct sampler sampler) {
     struct path path;  // not initialised as a whole, as few of its vertices are used
     path.sampler = sampler;
-    path.near = near;
+    path.cones = cones;
     path.E = rgb_luminance(estimate.E);
     struct path_vertex *v = path.vertex;
     v->g = g;

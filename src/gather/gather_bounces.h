@@ -20,9 +20,9 @@ static inline const rgb *gather_direct_known(const struct gather *g, int entry) 
 }
 
 // The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its
-// viewer, without emitted light. `near`, which may be NULL, guides the first bounce.
+// viewer, without emitted light. The first bounce is guided to `cones`, which may be NULL.
 rgb gather_bounces(const struct gather *g, const struct shading_point *y,
-                   struct gather_estimate estimate, const struct gather_near *near,
+                   struct gather_estimate estimate, const struct gather_cones *cones,
                    struct sampler sampler);
 
 #endif

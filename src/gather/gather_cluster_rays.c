@@ -8,10 +8,11 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
                              struct gather_hemisphere *h, struct gather_cluster_rays *out) {
     const struct guide_point at = {site->p, site->frame.n, site->ng};
     *out = (struct gather_cluster_rays){
-        .near = {.discs = h->layout->order ? GATHER_NEAR_DISCS_RADIANCE : GATHER_NEAR_DISCS,
+        .near = {.state = NEAR_SEARCHED,
+                 .discs = h->layout->order ? GATHER_NEAR_DISCS_RADIANCE : GATHER_NEAR_DISCS,
                  .p = site->p}};
     if (!g->options->guide_clusters) return;
-    out->near.found = -1;
+    out->near.state = NEAR_NOT_SEARCHED;
     if (!g->clusters) return;
     rgb E;
     float *expected = &out->near.expected, radius, density;

@@ -114,7 +114,7 @@ void gather_hemisphere_trace(const struct gather *g, const struct gather_layout 
     gather_hemisphere_begin(h, layout, &site->frame);
     make_stratified_rays(g, site, h);
     gather_cluster_rays_add(g, site, h, &clusters);
-    gather_rays_guided(g, scratch, h->ray, h->count, site->stream, &clusters.near, &clusters.near);
+    gather_rays_guided(g, scratch, h->ray, h->count, site->stream, &clusters.near);
     gather_cluster_rays_weights(&clusters, h);
     if (!layout->order) return;
     const float solid_angle = 2.0f * PI_F / (float)h->stratified;

@@ -60,27 +60,27 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
     return matters ? fmaxf((float)clear / (float)matters, VISIBLE_LEAST) : 0.0f;
 }
 
-bool gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
-                          const struct gather_near *near, struct gather_near *out) {
+void gather_near_probe(const struct gather *g, const struct gather_hits *hits, size_t count,
+                       struct gather_near *near) {
+    struct gather_cones *cones = &near->cones;
     size_t probe[GUIDE_PROBES];
-    const bool known = near->single && near->probed;
-    if (known || near->found == 0 || !g->options->gather_near) return false;
+    if (!g->options->gather_near || (near->single && near->state == NEAR_PROBED) ||
+        (near->state != NEAR_NOT_SEARCHED && near->found == 0))
+        return;
     const int probes = choose_probes(hits, count, probe);
-    if (probes == 0) return false;
-    if (out != near) *out = *near;
-    out->probed = true;
-    out->count = 0;
-    if (out->found < 0)
-        out->found = guide_cones_around(g->clusters, out->p, out->expected, out->cone);
-    for (int c = 0; c < out->found; c++) {
-        const struct guide_cone cone = out->cone[c];
-        const float visible = probe_cone(g, hits, probe, probes, out->single, cone);
+    if (probes == 0) return;
+    if (near->state == NEAR_NOT_SEARCHED)
+        near->found = guide_cones_around(g->clusters, near->p, near->expected, cones->cone);
+    near->state = NEAR_PROBED;
+    cones->count = 0;
+    for (int c = 0; c < near->found; c++) {
+        const struct guide_cone cone = cones->cone[c];
+        const float visible = probe_cone(g, hits, probe, probes, near->single, cone);
         if (!(visible > 0.0f)) continue;
-        out->cone[c] = out->cone[out->count];
-        out->cone[out->count] = cone;
-        out->visible[out->count++] = visible;
+        cones->cone[c] = cones->cone[cones->count];
+        cones->cone[cones->count] = cone;
+        cones->visible[cones->count++] = visible;
     }
-    return true;
 }
 
 // The cones from y.
@@ -98,17 +98,17 @@ static float lobe_factor(const struct shading_point *y, unsigned lobes, vec3 axi
     return PI_F * rgb_luminance(f);
 }
 
-static void move_cones(const struct gather_near *near, const struct shading_point *y,
+static void move_cones(const struct gather_cones *cones, const struct shading_point *y,
                        unsigned lobes, struct choices *out) {
     out->count = 0;
     out->all = 0.0f;
-    for (int c = 0; c < near->count; c++) {
+    for (int c = 0; c < cones->count; c++) {
         struct guide_cone *cone = &out->cone[out->count];
-        *cone = near->cone[c];
+        *cone = cones->cone[c];
         if (!guide_cone_move(cone, y->interaction.p, y->frame.n) || !(cone->E > 0.0f)) continue;
         // Least variance: in proportion to the standard deviation of one ray into the cone.
         const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
-        const float weight = near->visible[c] * deviation * lobe_factor(y, lobes, cone->axis);
+        const float weight = cones->visible[c] * deviation * lobe_factor(y, lobes, cone->axis);
         if (!(weight > 0.0f)) continue;
         out->weight[out->count] = weight;
         out->all += out->weight[out->count++];
@@ -142,10 +142,10 @@ static float draw_both(const struct choices *at, float guided, const struct shad
     return rgb_black(out->weight) ? 0.0f : density;
 }
 
-bool gather_near_bounce(const struct gather_near *near, const struct shading_point *y, float E,
+bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out) {
     struct choices at;
-    move_cones(near, y, BRDF_DIFFUSE, &at);
+    move_cones(cones, y, BRDF_DIFFUSE, &at);
     if (at.count == 0)
         return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
     const float guided = fminf(at.all / (at.all + E), GUIDED);
@@ -154,10 +154,10 @@ bool gather_near_bounce(const struct gather_near *near, const struct shading_poi
     return true;
 }
 
-bool gather_near_sample(const struct gather_near *near, const struct shading_point *p,
+bool gather_near_sample(const struct gather_cones *cones, const struct shading_point *p,
                         unsigned lobes, float E, float u_lobe, vec2 u, struct brdf_sample *out) {
     struct choices at;
-    move_cones(near, p, lobes, &at);
+    move_cones(cones, p, lobes, &at);
     if (at.count == 0)
         return brdf_sample(&p->brdf, p->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, out);
     float rest = E;

@@ -26,46 +26,59 @@ static inline bool gather_is_reliable(const struct gather *g, float radius, bool
     return !(g->options->gather_near && (near || radius > g->lookup_max));
 }
 
+// The cones of photon clusters to which directions are drawn, each with the fraction of a few test
+// points from which its cluster is visible, never 0.
+struct gather_cones {
+    struct guide_cone cone[GUIDE_CONES];
+    float visible[GUIDE_CONES];
+    int count;
+};
+
+// What is known of the clusters around a site.
+enum gather_near_state {
+    NEAR_NOT_SEARCHED,  // nothing; they are searched at the first hit that is near
+    NEAR_SEARCHED,      // the clusters, but not from where they are visible
+    NEAR_PROBED         // also which of them contribute to hits
+};
+
 // The photon clusters around a site, for the next bounce of rays whose hit is near.
 struct gather_near {
     float discs;     // GATHER_NEAR_DISCS or GATHER_NEAR_DISCS_RADIANCE
-    vec3 p;          // the site,
-    float expected;  // and its approximate irradiance [W m^-2]
-    struct guide_cone cone[GUIDE_CONES];
-    float visible[GUIDE_CONES];  // fraction of the near hits from which it is visible, never 0
-    int found;                   // number of cones around the site; negative: not searched yet
-    int count;                   // number of those that contribute to the hits, first in `cone`
-    bool single;                 // for single rays: the clusters that contribute to the first hits
-                                 // that are near are those of all further hits
-    bool probed;                 // whether `count` and `visible` are from hits
+    vec3 p;          // the site
+    float expected;  // approximate irradiance at the site [W m^-2]
+    bool single;     // for single rays: the clusters that contribute to the first hits that are
+                     // near are those of all further hits
+    enum gather_near_state state;
+    struct gather_cones cones;  // clusters that contribute to hits, from NEAR_PROBED on
+    int found;                  // cones in cones.cone, from NEAR_SEARCHED on: those that do not
+                                // contribute follow
 };
 
 // Finds the clusters around the site of `near` that contribute to those of the first `count` hits
-// that are near it, and sets *out, which may be `near` itself, to `near` with these. False if *out
-// is not set: no hit is near, or the clusters are those of earlier hits. E and radius of the hits
-// must be known.
-bool gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
-                          const struct gather_near *near, struct gather_near *out);
+// that are near it. Changes nothing if no hit is near, or if the clusters are those of earlier
+// hits. E and radius of the hits must be known.
+void gather_near_probe(const struct gather *g, const struct gather_hits *hits, size_t count,
+                       struct gather_near *near);
 
 // Draws a direction from which y, near the site, reflects light by its diffuse lobe: by the lobe
 // itself or to one of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y.
 // Otherwise as brdf_sample; pdf_w is that of the lobe alone, for MIS with light samples.
-bool gather_near_bounce(const struct gather_near *near, const struct shading_point *y, float E,
+bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out);
 
-// Does what gather_near_bounce does, by any smooth lobes of a point to whose surroundings `near`
-// belongs. pdf_w is the density of the direction.
-bool gather_near_sample(const struct gather_near *near, const struct shading_point *p,
+// Does what gather_near_bounce does, by any smooth lobes of a point near which the cones' site is.
+// pdf_w is the density of the direction.
+bool gather_near_sample(const struct gather_cones *cones, const struct shading_point *p,
                         unsigned lobes, float E, float u_lobe, vec2 u, struct brdf_sample *out);
 
 // Whether single rays are guided to a cone's cluster from a point that it was moved to, where the
 // irradiance by other light is `rest` (gather_single.c).
 bool gather_cluster_matters(const struct guide_cone *cone, float rest);
 
-// As gather_rays, with guided bounces from hits near the site of `near`; NULL: no bounces are
-// guided. Returns whether clusters were found by hits that are near, and sets *out to these.
-bool gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
+// As gather_rays, with guided bounces from hits near the site of `near`, which hits complete (see
+// gather_near_probe); NULL: no bounces are guided.
+void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream,
-                        const struct gather_near *near, struct gather_near *out);
+                        struct gather_near *near);
 
 #endif

@@ -83,16 +83,14 @@ static int light_samples(float bright, float mean) {
 }
 
 // First passes `photons` and `precomputed`: computes the reflected radiance of the hits, of which
-// those near the site of `near` are guided to its clusters. Returns whether *out is set to those of
-// these hits (gather_near_clusters).
-static bool shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
-                       const struct gather_near *near, struct gather_near *out) {
+// those near the site of `near` are guided to its clusters, which they complete.
+static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
+                       struct gather_near *near) {
     const float discs = near ? near->discs : GATHER_NEAR_DISCS;
     look_up_hits(g, hits, count);
     for (size_t i = 0; i < count; i++)
         hits->near[i] = gather_is_near(g, hits->hit[i].point.interaction.t, hits->radius[i], discs);
-    const bool probed = near && gather_near_clusters(g, hits, count, near, out);
-    if (probed) near = out;
+    if (near) gather_near_probe(g, hits, count, near);
     const float mean = hit_weights(g, hits, count);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
@@ -101,11 +99,10 @@ static bool shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
         const struct gather_estimate estimate = {hits->E[i], reliable,
                                                  gather_direct_known(g, hits->entry[i]),
                                                  light_samples(hits->bright[i], mean)};
-        const rgb L =
-            gather_bounces(g, &hit->point, estimate, hits->near[i] ? near : NULL, hit->sampler);
+        const struct gather_cones *cones = near && hits->near[i] ? &near->cones : NULL;
+        const rgb L = gather_bounces(g, &hit->point, estimate, cones, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
     }
-    return probed;
 }
 
 // Whether the first segment of a ray is traced by itself. Path tracing from x traces it too, so it
@@ -153,11 +150,10 @@ static void clear_rays(struct gather_ray *rays, size_t count) {
     }
 }
 
-bool gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
+void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream,
-                        const struct gather_near *near, struct gather_near *out) {
+                        struct gather_near *near) {
     struct gather_hits *hits = &scratch->hits;
-    bool probed = false;
     const uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
     for (size_t begin = 0; begin < count; begin += GATHER_HITS_MOST) {
         const size_t end = count - begin > GATHER_HITS_MOST ? begin + GATHER_HITS_MOST : count;
@@ -179,12 +175,11 @@ bool gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                 gather_segment_trace(g, &start, &hit->sampler, &segment, &hit->point);
             found += store_segment(g, ray, seed, &segment, hits_surface, hit);
         }
-        if (shade_hits(g, hits, found, probed ? out : near, out)) probed = true;
+        shade_hits(g, hits, found, near);
     }
-    return probed;
 }
 
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream) {
-    gather_rays_guided(g, scratch, rays, count, stream, NULL, NULL);
+    gather_rays_guided(g, scratch, rays, count, stream, NULL);
 }

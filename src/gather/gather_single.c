@@ -24,7 +24,8 @@ static const float COMMON_PIXELS = 4.0f, COMMON_COSINE = 0.95f;
 // those to which bounces from near hits are guided.
 struct gather_single_clusters {
     vec3 n;
-    struct gather_near to, near;
+    struct gather_cones to;
+    struct gather_near near;
 };
 
 enum { FOUND_MOST = 8 };  // points that the samples of a row of pixels alternate between
@@ -59,32 +60,34 @@ static float visible_fraction(const struct gather *g, struct guide_cone cone,
 static void find_clusters(const struct gather *g, const struct shading_point *p,
                           struct gather_single_clusters *out) {
     const struct guide_point at = {p->interaction.p, p->frame.n, p->ng};
-    struct gather_near *to = &out->to, *near = &out->near;
+    struct gather_cones *to = &out->to;
+    struct gather_near *near = &out->near;
     out->n = at.n;
-    to->count = near->found = near->count = 0;
+    to->count = near->found = near->cones.count = 0;
     near->discs = GATHER_NEAR_DISCS;
     near->p = at.p;
     near->expected = 0.0f;
     near->single = true;
-    near->probed = false;
+    near->state = NEAR_SEARCHED;
     if (!g->options->guide_clusters || !g->clusters) return;
     float radius;
     near->expected =
         rgb_luminance(photon_irradiance(g->maps, g->scene, at.p, at.ng, &radius, NULL));
-    near->found = guide_cones_around(g->clusters, at.p, near->expected, near->cone);
+    const struct guide_cone *cone = near->cones.cone;
+    near->found = guide_cones_around(g->clusters, at.p, near->expected, near->cones.cone);
     for (int c = 0; c < near->found; c++) {
-        const float visible = visible_fraction(g, near->cone[c], &at, near->expected);
+        const float visible = visible_fraction(g, cone[c], &at, near->expected);
         if (!(visible > 0.0f)) continue;
-        to->cone[to->count] = near->cone[c];
+        to->cone[to->count] = cone[c];
         to->visible[to->count++] = visible;
     }
 }
 
-const struct gather_single_clusters *gather_single_find(const struct gather *g,
-                                                        const struct shading_point *p, float pixel,
-                                                        struct gather_singles *singles) {
+struct gather_single_clusters *gather_single_find(const struct gather *g,
+                                                  const struct shading_point *p, float pixel,
+                                                  struct gather_singles *singles) {
     for (int i = 0; i < singles->count; i++) {
-        const struct gather_single_clusters *clusters = &singles->found[i];
+        struct gather_single_clusters *clusters = &singles->found[i];
         if (v3_dot(clusters->n, p->frame.n) > COMMON_COSINE &&
             v3_dist2(clusters->near.p, p->interaction.p) < sqrf(COMMON_PIXELS * pixel))
             return clusters;
@@ -102,11 +105,8 @@ bool gather_single_sample(const struct gather_single_clusters *clusters,
     return gather_near_sample(&clusters->to, p, lobes, clusters->near.expected, u_lobe, u, out);
 }
 
-void gather_single_rays(const struct gather *g, const struct gather_worker *worker,
-                        const struct gather_single_clusters *clusters, struct gather_ray *rays,
+void gather_single_rays(const struct gather *g, struct gather_scratch *scratch,
+                        struct gather_single_clusters *clusters, struct gather_ray *rays,
                         size_t count, uint64_t stream) {
-    struct gather_singles *singles = worker->singles;
-    struct gather_near probed;
-    if (gather_rays_guided(g, worker->scratch, rays, count, stream, &clusters->near, &probed))
-        singles->found[clusters - singles->found].near = probed;
+    gather_rays_guided(g, scratch, rays, count, stream, &clusters->near);
 }

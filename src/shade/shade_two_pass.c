@@ -93,7 +93,7 @@ enum { MISSING_DIMENSION = 16 };  // of the sampler, beyond those of sampled lob
 
 // How lobes are sampled by gather rays.
 struct lobe_sampling {
-    const struct gather_single_clusters *clusters;  // at which rays and bounces are aimed, or NULL
+    struct gather_single_clusters *clusters;  // at which rays and bounces are aimed, or NULL
     unsigned lobes;
     int count;           // number of rays
     float ratio;         // number of BRDF samples per light sample; 0: rays do not find lights
@@ -162,11 +162,11 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
     struct drawn_rays drawn;  // not initialised as a whole, as few are used
     const int rays = draw_rays(job, by, &drawn);
     job->worker->counts.rays += (uint64_t)rays;
-    const struct gather_worker *w = &job->worker->gather;
+    struct gather_scratch *scratch = job->worker->gather.scratch;
     if (!by->clusters)
-        gather_rays(g, w->scratch, drawn.ray, (size_t)rays, by->stream);
+        gather_rays(g, scratch, drawn.ray, (size_t)rays, by->stream);
     else
-        gather_single_rays(g, w, by->clusters, drawn.ray, (size_t)rays, by->stream);
+        gather_single_rays(g, scratch, by->clusters, drawn.ray, (size_t)rays, by->stream);
     rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
         const struct gather_ray *ray = &drawn.ray[i];

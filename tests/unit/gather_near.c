@@ -85,7 +85,7 @@ static void weights_are_unbiased(void **state) {
     gather_near_start(&f);
     const struct gather_site site = ceiling_site(0);
     struct gather_cluster_rays clusters;
-    struct gather_near near;
+    struct gather_near *near = &clusters.near;
     struct gather_hemisphere *h = f.worker->hemisphere;
     gather_hemisphere_begin(h, f.layout, &site.frame);
     gather_cluster_rays_add(&f.g, &site, h, &clusters);
@@ -95,9 +95,8 @@ static void weights_are_unbiased(void **state) {
         h->ray[i] =
             (struct gather_ray){.ray = scene_spawn(&f.scene.scene, site.p, site.ng, d), .item = i};
     }
-    assert_true(
-        gather_rays_guided(&f.g, f.worker->scratch, h->ray, RAYS, 0, &clusters.near, &near));
-    assert_true(near.count > 0);
+    gather_rays_guided(&f.g, f.worker->scratch, h->ray, RAYS, 0, near);
+    assert_true(near->state == NEAR_PROBED && near->cones.count > 0);
     for (int wall = 0; wall < 2; wall++) {
         const vec3 d = wall ? v3_unit(v3(1.0f, -2.0f, 0.2f)) : v3(0, -1, 0);
         const struct ray ray = scene_spawn(&f.scene.scene, site.p, site.ng, d);
@@ -112,7 +111,8 @@ static void weights_are_unbiased(void **state) {
             struct sampler u = {i, 3, 0};
             struct brdf_sample next;
             const float u_lobe = sampler_1d(&u);
-            if (!gather_near_bounce(&near, &y, 1e-4f, u_lobe, sampler_2d(&u), &next)) continue;
+            if (!gather_near_bounce(&near->cones, &y, 1e-4f, u_lobe, sampler_2d(&u), &next))
+                continue;
             const vec3 w = frame_to_world(&y.frame, next.wi);
             const vec3 at = v3_mad(y.interaction.p, (1.0f - y.interaction.p.y) / w.y, w);
             sum += (double)next.weight.g / POINTS;

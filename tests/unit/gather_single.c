@@ -40,7 +40,7 @@ static double gather_single_expected(const struct shading_point *p) {
 // The light by the rays of one sample.
 static double light_of_sample(struct spot_room *f, const struct shading_point *p, uint32_t sample,
                               uint32_t seed) {
-    const struct gather_single_clusters *clusters =
+    struct gather_single_clusters *clusters =
         gather_single_find(&f->g, p, 0.01f, f->worker->singles);
     struct gather_ray ray[RAYS] = {0};
     rgb weight[RAYS], sum = rgb_grey(0.0f);
@@ -56,7 +56,7 @@ static double light_of_sample(struct spot_room *f, const struct shading_point *p
             .item = u.index};
         weight[rays++] = b.weight;
     }
-    gather_single_rays(&f->g, f->worker, clusters, ray, (size_t)rays, seed);
+    gather_single_rays(&f->g, f->worker->scratch, clusters, ray, (size_t)rays, seed);
     for (int i = 0; i < rays; i++) sum = rgb_fma(sum, weight[i], ray[i].L);
     return (double)sum.g / RAYS;
 }
