@@ -80,7 +80,7 @@ static satin_status write_outputs(const struct app_render_request *r, const sati
         status = satin_film_write_png(film, r->output, &r->tonemap, log.fn, log.user);
     } else {
         struct parallel *pool = parallel_new(threads);
-        if (pool) parallel_begin_part(pool, PART_WRITE);
+        if (pool) parallel_begin_part(pool, "write");
         status = film_write_exr(film, r->output, pool, log);
         if (pool) stats_set_parts(&written, pool);
         parallel_free(pool);

@@ -45,38 +45,9 @@ struct parallel {
 
     double *worker_spent;       // CPU seconds of each worker in the current loop
     float spent[CHUNKS_NOTED];  // CPU seconds of its first chunks
-    struct parallel_part part[PARALLEL_PARTS];
-    enum parallel_part_id current;
+    struct parallel_part part[PARALLEL_PARTS_MAX];
+    int part_count, current;  // number of parts; index of the current one
     double wall, cpu;  // times of the two clocks up to which the current part is accounted for
-};
-
-static const char *const part_names[PARALLEL_PARTS] = {
-    [PART_OTHER] = "other",
-    [PART_VIEW] = "view",
-    [PART_PHOTONS] = "photons",
-    [PART_TRACE] = "trace",
-    [PART_SORT] = "sort",
-    [PART_CLUSTERS] = "clusters",
-    [PART_INDEX] = "index",
-    [PART_ESTIMATE] = "estimate",
-    [PART_SMOOTH] = "smooth",
-    [PART_DIRECT] = "direct",
-    [PART_VISIBILITY] = "visibility",
-    [PART_TABLES] = "tables",
-    [PART_BOUNCES] = "bounces",
-    [PART_RECORDS] = "records",
-    [PART_SITES] = "sites",
-    [PART_CHOOSE] = "choose",
-    [PART_GATHER] = "gather",
-    [PART_INSERT] = "insert",
-    [PART_ADAPT] = "adapt",
-    [PART_PILOT] = "pilot",
-    [PART_IMAGE] = "image",
-    [PART_PLAN] = "plan",
-    [PART_RIMS] = "rims",
-    [PART_DENOISE] = "denoise",
-    [PART_FILM] = "film",
-    [PART_WRITE] = "write",
 };
 
 // Sets FTZ and DAZ: denormals cost hundreds of cycles each, and Embree asks for both flags on every
@@ -162,7 +133,7 @@ struct parallel *parallel_new(int threads) {
     pthread_cond_init(&pool->wake, NULL);
     pthread_cond_init(&pool->done, NULL);
     flush_denormals();
-    pool->part[PART_OTHER].name = part_names[PART_OTHER];
+    pool->part[pool->part_count++].name = "other";
     pool->wall = stats_wall();
     pool->cpu = stats_thread();
     pool->helpers = calloc((size_t)threads, sizeof *pool->helpers);
@@ -248,16 +219,22 @@ static void account_loop(struct parallel *pool) {
     pool->cpu = stats_thread();
 }
 
-enum parallel_part_id parallel_begin_part(struct parallel *pool, enum parallel_part_id id) {
-    const enum parallel_part_id before = pool->current;
+const char *parallel_begin_part(struct parallel *pool, const char *name) {
+    const char *before = pool->part[pool->current].name;
     account_serial(pool);
-    pool->part[id].name = part_names[id];
-    pool->current = id;
+    int i = 0;
+    while (i < pool->part_count && strcmp(pool->part[i].name, name) != 0) i++;
+    if (i == PARALLEL_PARTS_MAX)
+        i = 0;
+    else if (i == pool->part_count)
+        pool->part[pool->part_count++].name = name;
+    pool->current = i;
     return before;
 }
 
-const struct parallel_part *parallel_parts(struct parallel *pool) {
+const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
     account_serial(pool);
+    *count = pool->part_count;
     return pool->part;
 }
 

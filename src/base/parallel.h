@@ -53,7 +53,7 @@ bool parallel_stopped(const struct parallel *pool);
 // Times of a part of the work that a pool does. CPU seconds are not affected by other processes on
 // the machine, so they show how much work runs on one thread and how much on all.
 struct parallel_part {
-    const char *name;    // static storage; NULL in parts that did not begin
+    const char *name;    // static storage
     double wall_s;       // wall time
     double serial_s;     // CPU time of the thread that calls parallel_for, outside of loops
     double parallel_s;   // CPU time of all threads in loops
@@ -61,44 +61,14 @@ struct parallel_part {
                          // PARALLEL_MODEL, because chunks differ; see parallel_for
     double loops;        // number of loops with more than one chunk
 };
-// The parts of the work of a render whose times are measured apart; their names in statistics are
-// the same in lower case.
-enum parallel_part_id {
-    PART_OTHER,  // before the first part, and what has none of its own
-    PART_VIEW,
-    PART_PHOTONS,
-    PART_TRACE,
-    PART_SORT,
-    PART_CLUSTERS,
-    PART_INDEX,
-    PART_ESTIMATE,
-    PART_SMOOTH,
-    PART_DIRECT,
-    PART_VISIBILITY,
-    PART_TABLES,
-    PART_BOUNCES,
-    PART_RECORDS,
-    PART_SITES,
-    PART_CHOOSE,
-    PART_GATHER,
-    PART_INSERT,
-    PART_ADAPT,
-    PART_PILOT,
-    PART_IMAGE,
-    PART_PLAN,
-    PART_RIMS,
-    PART_DENOISE,
-    PART_FILM,
-    PART_WRITE,
-    PARALLEL_PARTS
-};
-enum { PARALLEL_MODEL = 64 };
+enum { PARALLEL_MODEL = 64, PARALLEL_PARTS_MAX = 64 };
 
-// Accounts for all following work as this part, until the next call. Returns the part before, to
-// which the end of a nested part returns. Call it from the thread that calls parallel_for, outside
-// of loops. A pool begins with PART_OTHER.
-enum parallel_part_id parallel_begin_part(struct parallel *pool, enum parallel_part_id id);
-// The PARALLEL_PARTS parts, owned by the pool.
-const struct parallel_part *parallel_parts(struct parallel *pool);
+// Accounts for all following work as the part of this name (static storage), until the next call.
+// Returns the name of the part before, to which the end of a nested part returns. Call it from the
+// thread that calls parallel_for, outside of loops. A pool begins with the part "other"; work of
+// names beyond PARALLEL_PARTS_MAX is accounted for there too.
+const char *parallel_begin_part(struct parallel *pool, const char *name);
+// The parts so far, in the order in which they first began, owned by the pool. Sets *count.
+const struct parallel_part *parallel_parts(struct parallel *pool, int *count);
 
 #endif

@@ -74,9 +74,9 @@ static void set_part(struct stats *stats, const struct parallel_part *part) {
 }
 
 void stats_set_parts(struct stats *stats, struct parallel *pool) {
-    const struct parallel_part *part = parallel_parts(pool);
-    for (int i = 0; i < PARALLEL_PARTS; i++)
-        if (part[i].name) set_part(stats, &part[i]);
+    int count;
+    const struct parallel_part *part = parallel_parts(pool, &count);
+    for (int i = 0; i < count; i++) set_part(stats, &part[i]);
 }
 
 void stats_set_span(struct stats *stats, const char *name, struct stats_span span) {

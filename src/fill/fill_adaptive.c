@@ -184,7 +184,7 @@ satin_status fill_adapt(struct fill *fill, enum cache_kind kind, const struct fi
     if (c.site && c.point) {
         for (size_t i = 0; i < sites->count; i++)
             if (sites->site[i].kinds >> kind & 1u) c.site[c.count++] = &sites->site[i];
-        const enum parallel_part_id part = parallel_begin_part(fill->pool, PART_ADAPT);
+        const char *part = parallel_begin_part(fill->pool, "adapt");
         status = c.count ? adapt_records(&c) : SATIN_OK;
         parallel_begin_part(fill->pool, part);
     }

@@ -308,7 +308,7 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
     satin_status status = SATIN_ERROR_MEMORY;
     struct batch *b = calloc(1, sizeof *b);
     if (!b) return status;
-    const enum parallel_part_id part = parallel_begin_part(fill->pool, PART_INSERT);
+    const char *part = parallel_begin_part(fill->pool, "insert");
     b->fill = fill;
     b->cache = fill->cache;
     b->sites = sites;
@@ -324,13 +324,13 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
     for (size_t i = 0; i < sites->count && status == SATIN_OK; i++)
         if (sites->site[i].kinds >> kind & 1u) b->waiting[b->last++] = &sites->site[i];
     while (b->next < b->last && status == SATIN_OK) {
-        parallel_begin_part(fill->pool, PART_CHOOSE);
+        parallel_begin_part(fill->pool, "choose");
         bool whole = choose_batch(b);
-        parallel_begin_part(fill->pool, PART_GATHER);
+        parallel_begin_part(fill->pool, "gather");
         if (whole && !allocate_values(b)) status = SATIN_ERROR_MEMORY;
         if (status != SATIN_OK) break;
         whole = whole && parallel_for(fill->pool, (size_t)b->count, 1, gather_jobs, b);
-        parallel_begin_part(fill->pool, PART_INSERT);
+        parallel_begin_part(fill->pool, "insert");
         if (!whole) status = SATIN_CANCELLED;
         for (struct job *job = b->job; job < b->job + b->count && status == SATIN_OK; job++) {
             fill->refused += (uint64_t)job->refused;

@@ -185,7 +185,7 @@ static void fill_rows(void *ctx, size_t begin, size_t end, int worker) {
 static bool index_rows(const struct photon_precompute *what, struct parallel *pool,
                        struct photon_irradiance *r) {
     struct precompute_job job = {.what = what, .out = r};
-    parallel_begin_part(pool, PART_INDEX);
+    parallel_begin_part(pool, "index");
     r->position.scale = normal_scale(r, what->scene);
     r->far2 = far_of(what, r);
     if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, fill_rows, &job)) return false;
@@ -228,7 +228,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     }
     if (status == SATIN_OK && !index_rows(what, pool, &r))
         status = parallel_stopped(pool) ? SATIN_CANCELLED : SATIN_ERROR_MEMORY;
-    parallel_begin_part(pool, PART_SMOOTH);
+    parallel_begin_part(pool, "smooth");
     if (status == SATIN_OK && what->smooth) status = photon_caustic_smooth(what, pool, &r);
     if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for irradiance");
     if (status != SATIN_OK)

@@ -63,7 +63,7 @@ satin_status photon_map_build(const struct satin_scene *scene, const struct phot
     map.photon = array_new_unset(count, sizeof *map.photon);
     struct map_building b = {.map = &map, .hit = hit, .curve = map.curve};
     if (map.position && map.photon && sort_photons(&b, pool)) {
-        parallel_begin_part(pool, PART_INDEX);
+        parallel_begin_part(pool, "index");
         map.index = photon_index_new(map.position, count, 3, &map.curve, pool);
     }
     if (!map.index) {

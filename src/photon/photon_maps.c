@@ -47,11 +47,11 @@ static satin_status trace_into(const struct photon_pass *pass, const struct phot
                                struct photon_map *map,
                                struct photon_trace trace[PHOTON_CONSUMERS]) {
     double start = stats_wall();
-    parallel_begin_part(pass->pool, PART_TRACE);
+    parallel_begin_part(pass->pool, "trace");
     satin_status status = photon_trace_run(tracing, pass->pool, pass->log, trace);
     if (status != SATIN_OK) return status;
     double traced = stats_wall();
-    parallel_begin_part(pass->pool, PART_SORT);
+    parallel_begin_part(pass->pool, "sort");
     status = photon_map_build(pass->scene, trace->hit, trace->count, pass->pool, pass->log, map);
     stats_add(pass->stats, "photons.emitted", (double)trace->emitted);
     stats_add(pass->stats, "photons.refused", (double)trace->refused);
@@ -76,7 +76,7 @@ static satin_status precompute_map(const struct photon_pass *pass,
                                    const struct photon_precompute *what,
                                    struct photon_irradiance *out) {
     const double start = stats_wall();
-    parallel_begin_part(pass->pool, PART_ESTIMATE);
+    parallel_begin_part(pass->pool, "estimate");
     satin_status status = photon_irradiance_build(what, pass->pool, pass->log, out);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
     if (status == SATIN_OK) stats_add(pass->stats, "estimates.refused", (double)out->refused);
@@ -132,7 +132,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     satin_status status = trace_into(pass, &tracing, &maps->global, trace);
     const double start = stats_wall();
-    parallel_begin_part(pass->pool, PART_CLUSTERS);
+    parallel_begin_part(pass->pool, "clusters");
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
     photon_trace_free(&trace[1]);
     *direct = trace[2];
@@ -197,7 +197,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     if (!pass->paths.caustic || o->integrator == SATIN_PHOTONS) return SATIN_OK;
     struct guide_emission *emission = NULL;
     double start = stats_wall();
-    parallel_begin_part(pass->pool, PART_TRACE);
+    parallel_begin_part(pass->pool, "trace");
     struct guide_emission_request request = {pass->scene, &pass->view, o->seed,
                                              pass->paths.caustic};
     satin_status status = guide_emission_build(&request, pass->pool, pass->log, &emission);
@@ -238,7 +238,7 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
                                .pool = pool,
                                .log = log,
                                .stats = stats};
-    parallel_begin_part(pool, PART_VIEW);
+    parallel_begin_part(pool, "view");
     guide_view_make(scene, options->seed, pass.paths.view, pool, &pass.view);
     guide_allocation_make(scene, options->seed, pass.paths.view, pool, &pass.allocation);
     maps->lookup_max = LOOKUP_FRACTION * pass.view.ray_length;

@@ -68,7 +68,7 @@ static bool goes_on(void *user, double done) {
 void render_denoise(struct render *r) {
     struct render_image *image = r->image;
     struct asked asked = {r, false};
-    parallel_begin_part(r->pool, PART_DENOISE);
+    parallel_begin_part(r->pool, "denoise");
     parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, fill_plane_rows, image);
     // A coarse image has samples of a few pixels; the other pixels are copies of these.
     if (render_steps(r)->coarse || !render_budget_denoises(r)) {

@@ -131,7 +131,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
 // Sets the targets of the next pass, which has *samples samples. False: the image is done.
 static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     struct render_image *image = r->image;
-    parallel_begin_part(r->pool, PART_PLAN);
+    parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
@@ -172,7 +172,7 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
 // To be called after a pass: sets how many samples and light samples each pixel gets.
 static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
-    parallel_begin_part(r->pool, PART_PLAN);
+    parallel_begin_part(r->pool, "plan");
     adaptive_compare(&r->image->adapt);
     const satin_options *o = &r->second_pass.options;
     if (o->integrator != SATIN_TWO_PASS || !o->adaptive_sampling) return;
@@ -182,7 +182,7 @@ static void plan_samples(struct image_pass *pass, int workers) {
 
 static bool run_pass(struct image_pass *pass) {
     const struct render_image *image = pass->r->image;
-    parallel_begin_part(pass->r->pool, PART_IMAGE);
+    parallel_begin_part(pass->r->pool, "image");
     size_t rows = (size_t)((image->height + TILE - 1) / TILE);
     return parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
 }
@@ -197,7 +197,7 @@ static bool take_first_samples(struct image_pass *pass) {
     bool whole = true;
     if (r->progress.course == COURSE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
-        parallel_begin_part(r->pool, PART_PLAN);
+        parallel_begin_part(r->pool, "plan");
         adaptive_equal(&r->image->adapt, stride, 1);
         whole = run_pass(pass);
         r->image->has_first_samples |= whole;

@@ -74,7 +74,7 @@ static void pilot_destroy(struct image_pilot *pilot) {
 
 satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
     struct image_pilot pilot;
-    const enum parallel_part_id part = parallel_begin_part(r->pool, PART_PILOT);
+    const char *part = parallel_begin_part(r->pool, "pilot");
     if (!pilot_make(&pilot, r)) {
         pilot_destroy(&pilot);
         return SATIN_ERROR_MEMORY;

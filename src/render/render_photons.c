@@ -12,7 +12,7 @@ static bool reads_photons(const satin_options *o) {
 static satin_status build_visibility(struct render *r) {
     if (!r->options.guide_visibility || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
     const double start = stats_wall();
-    parallel_begin_part(r->pool, PART_VISIBILITY);
+    parallel_begin_part(r->pool, "visibility");
     satin_status status =
         guide_visibility_build(&r->scene, r->options.seed, render_budget_visibility(&r->options),
                                r->pool, &r->first_pass.visibility);
@@ -104,7 +104,7 @@ satin_status render_photons(struct render *r) {
 satin_status render_direct(struct render *r) {
     if (!photon_precomputes_direct(&r->second_pass.options) || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
-    parallel_begin_part(r->pool, PART_DIRECT);
+    parallel_begin_part(r->pool, "direct");
     satin_status status =
         gather_direct_build(&r->second_pass.gather, r->pool, &r->first_pass.direct);
     if (status != SATIN_OK) return status;

@@ -8,16 +8,16 @@ static const double REPORT_EVERY = 0.1;  // seconds
 // A stage in reports: its name, the unit of its items, and the statistic for its seconds.
 static const struct stage_report {
     const char *name, *unit, *seconds;
-    enum parallel_part_id part;  // part of the work, if the step does not begin one of its own
+    const char *part;  // name of the part of the work, if the step does not begin one of its own
 } stage_reports[] = {
-    [STAGE_SETUP] = {"setup", "", NULL, PART_OTHER},
-    [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s", PART_PHOTONS},
-    [STAGE_TABLES] = {"BRDF tables", "materials", "time.tables_s", PART_TABLES},
-    [STAGE_BOUNCES] = {"indirect bounces", "", "time.bounces_s", PART_BOUNCES},
-    [STAGE_RECORDS] = {"records", "", "time.records_s", PART_RECORDS},
-    [STAGE_IMAGE] = {"image", "samples", "time.image_s", PART_IMAGE},
-    [STAGE_DENOISE] = {"denoising", "pixels", "time.denoise_s", PART_DENOISE},
-    [STAGE_FILM] = {"film", "", NULL, PART_FILM},
+    [STAGE_SETUP] = {"setup", "", NULL, "other"},
+    [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s", "photons"},
+    [STAGE_TABLES] = {"BRDF tables", "materials", "time.tables_s", "tables"},
+    [STAGE_BOUNCES] = {"indirect bounces", "", "time.bounces_s", "bounces"},
+    [STAGE_RECORDS] = {"records", "", "time.records_s", "records"},
+    [STAGE_IMAGE] = {"image", "samples", "time.image_s", "image"},
+    [STAGE_DENOISE] = {"denoising", "pixels", "time.denoise_s", "denoise"},
+    [STAGE_FILM] = {"film", "", NULL, "film"},
 };
 
 const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }

@@ -91,7 +91,7 @@ satin_status render_rims(struct render *r, bool *whole) {
     struct rims rims = {.r = r};
     struct render_image *image = r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
-    parallel_begin_part(r->pool, PART_RIMS);
+    parallel_begin_part(r->pool, "rims");
     rims.pixel = array_new_unset(pixels, sizeof *rims.pixel);
     rims.found = array_new((size_t)image->height, sizeof *rims.found);
     if (!rims.pixel || !rims.found) {

@@ -80,7 +80,7 @@ static satin_status append_sites(struct site_search *s, size_t pixels, struct re
 
 satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
                                struct render_sites *sites) {
-    const enum parallel_part_id part = parallel_begin_part(r->pool, PART_SITES);
+    const char *part = parallel_begin_part(r->pool, "sites");
     const size_t most = count < TRACED_PIXELS ? count : TRACED_PIXELS;
     struct site_search s = {.r = r, .adaptive = adaptive};
     s.found = array_new_unset(most * SITES_PER_PIXEL, sizeof *s.found);

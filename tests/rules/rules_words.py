@@ -97,8 +97,8 @@ IDENTIFIERS = {
         "place": r"src/(?:base/(?:fileio|log)|load/|render/options|scene/scene_hints)",
         "current_place": "src/load/load_xml"}),
     "Part": ("parts?", {
-        r"parallel_(?:begin_)?parts?|parallel_part_id|stats_set_parts|PARALLEL_PARTS|PART_[A-Z]+"
-        "|set_part|part_names": "src/",
+        "parallel_(?:begin_)?parts?|stats_set_parts|PARALLEL_PARTS_MAX|set_part|part_count":
+            "src/",
         "parts?": "src/(?:base/(?:parallel|stats)|fill/|photon/|render/|film/film_exr_write)",
         "exr_add_part": "src/film/film_exr_write"}),
     "Branch": ("branch(?:es)?", {

@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <time.h>
 
 #include <cmocka.h>
@@ -115,29 +116,48 @@ static void parts_know_what_is_serial(void **state) {
     (void)state;
     for (int threads = 1; threads <= THREADS; threads++) {
         struct parallel *pool = parallel_new(threads);
-        assert_int_equal(parallel_begin_part(pool, PART_VIEW), PART_OTHER);
+        assert_string_equal(parallel_begin_part(pool, "view"), "other");
         work_for(0.004);
         assert_true(parallel_for(pool, 21, 1, parallel_work, NULL));
-        assert_int_equal(parallel_begin_part(pool, PART_TRACE), PART_VIEW);
+        assert_string_equal(parallel_begin_part(pool, "trace"), "view");
         assert_true(parallel_for(pool, 1, 1, parallel_work, NULL));
-        assert_int_equal(parallel_begin_part(pool, PART_VIEW), PART_TRACE);
+        assert_string_equal(parallel_begin_part(pool, "view"), "trace");
         work_for(0.003);
-        const struct parallel_part *part = parallel_parts(pool);
-        for (int i = 0; i < PARALLEL_PARTS; i++)
-            assert_true(!part[i].name == (i != PART_OTHER && i != PART_VIEW && i != PART_TRACE));
-        assert_string_equal(part[PART_VIEW].name, "view");
-        assert_seconds(part[PART_VIEW].serial_s, 0.007);
-        assert_seconds(part[PART_VIEW].parallel_s, 0.030);
+        int count;
+        const struct parallel_part *part = parallel_parts(pool, &count);
+        assert_int_equal(count, 3);
+        const struct parallel_part *view = &part[1], *trace = &part[2];
+        assert_string_equal(part[0].name, "other");
+        assert_string_equal(view->name, "view");
+        assert_string_equal(trace->name, "trace");
+        assert_seconds(view->serial_s, 0.007);
+        assert_seconds(view->parallel_s, 0.030);
         // 64 threads wait for the long chunk.
-        assert_seconds(part[PART_VIEW].imbalance_s, 0.010 - 0.030 / PARALLEL_MODEL);
-        assert_true(part[PART_VIEW].loops == 1.0);
-        assert_seconds(part[PART_TRACE].serial_s, 0.0);
-        assert_seconds(part[PART_TRACE].parallel_s, 0.010);
-        assert_seconds(part[PART_TRACE].imbalance_s, 0.010 - 0.010 / PARALLEL_MODEL);
-        assert_true(part[PART_TRACE].loops == 0.0);
-        assert_true(part[PART_VIEW].wall_s >= 0.007 + 0.010);
+        assert_seconds(view->imbalance_s, 0.010 - 0.030 / PARALLEL_MODEL);
+        assert_true(view->loops == 1.0);
+        assert_seconds(trace->serial_s, 0.0);
+        assert_seconds(trace->parallel_s, 0.010);
+        assert_seconds(trace->imbalance_s, 0.010 - 0.010 / PARALLEL_MODEL);
+        assert_true(trace->loops == 0.0);
+        assert_true(view->wall_s >= 0.007 + 0.010);
         parallel_free(pool);
     }
+}
+
+static void many_parts_are_accounted_for(void **state) {
+    (void)state;
+    static char name[PARALLEL_PARTS_MAX + 8][8];
+    struct parallel *pool = parallel_new(1);
+    int count;
+    for (int i = 0; i < PARALLEL_PARTS_MAX + 8; i++) {
+        snprintf(name[i], sizeof name[i], "%d", i);
+        parallel_begin_part(pool, name[i]);
+    }
+    work_for(0.004);
+    const struct parallel_part *part = parallel_parts(pool, &count);
+    assert_int_equal(count, PARALLEL_PARTS_MAX);
+    assert_true(part[0].serial_s >= 0.004 && part[count - 1].serial_s < 0.004);
+    parallel_free(pool);
 }
 
 int main(void) {
@@ -146,6 +166,7 @@ int main(void) {
         cmocka_unit_test(chunks_are_never_empty),
         cmocka_unit_test(cancellation_ends_long_chunks),
         cmocka_unit_test(parts_know_what_is_serial),
+        cmocka_unit_test(many_parts_are_accounted_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
