@@ -47,10 +47,9 @@ enum {
     DIRECT_DIVISOR = 2,  // one in DIRECT_DIVISOR paths is of those whose direct photons are summed
     // Paths from the eye. Of 1024 a tenth is a hundred points, which show the ends of the boxes of
     // what is seen. In the case window at preview (150x150, 4 samples per pixel, 6.1 core seconds)
-    // a
-    // quarter of the paths and cells of the visibility of lights gave 1.10 times the relMSE between
-    // two seeds, in .7 core seconds less; four times as many gave .91 times, in 3.6 core seconds
-    // more.
+    // a quarter of the paths and cells of the visibility of lights gave 1.10 times the relMSE
+    // between two seeds, in .7 core seconds less; four times as many gave .91 times, in 3.6 core
+    // seconds more.
     VIEW_PATHS = GUIDE_VIEW_PATHS_MAX,
     VISIBILITY_PATHS = 4096,
     // The number of rays per bin of the visible environment grows with the option `photons`, which
@@ -115,6 +114,7 @@ enum {
     FIRST_MOST = 256,  // largest number of those pixels, so that an image of any size has its first
                        // samples after a moment; finer pixels follow until the time is over
     MISSING_RAYS = 8,  // of one sample where no record is near, without a time limit
+    HEMISPHERE_RAYS_LEAST = 8,  // of one sample where a cache is off
     TIMED_SAMPLES = 16,  // a typical number of samples per pixel with a time limit; it is not known
                          // when it is first needed
     // Rays of one pixel at a rim, a power of two: whole nets. Just beyond the edge of a lamp the
@@ -286,6 +286,10 @@ struct render_more_photons render_budget_photons(const struct render *r, double 
     return (struct render_more_photons){fmin(fit, 1.0), fmin(starved, fmax(fit, 1.0))};
 }
 
+float render_budget_lookup(double made) {
+    return made > 0.0 && made < 1.0 ? (float)sqrt(made) : 1.0f;
+}
+
 // ---- Rounds of records --------------------------------------------------------------------------
 
 float render_budget_widest(const satin_options *o) {
@@ -432,14 +436,17 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
     return done < equal ? want - want % pixels : want;
 }
 
-// With a time limit it is one ray, because more samples of the pixel gain more than more rays of a
-// sample.
-//
-// The standard deviation of light along one ray of a hemisphere is about its mean.
+// With a time limit a sample has one ray, because more samples of the pixel gain more than more
+// rays of a sample. The standard deviation of light along one ray of a hemisphere is about its
+// mean. Where a cache is off, the rays of a record are distributed over the samples of the pixel.
 struct shade_missing render_budget_missing(const satin_options *o) {
-    const int rays = o->time > 0.0 ? 1 : MISSING_RAYS;
-    const int samples = o->time > 0.0 ? TIMED_SAMPLES : o->spp > 1 ? o->spp : 1;
-    return (struct shade_missing){rays, 1.0f / sqrtf((float)rays * (float)samples)};
+    const int rays = o->time > 0.0 ? 1 : MISSING_RAYS, spp = o->spp > 1 ? o->spp : 1;
+    const int samples = o->time > 0.0 ? TIMED_SAMPLES : spp;
+    const int hemisphere = o->irradiance_rays / spp;
+    return (struct shade_missing){
+        .rays = rays,
+        .hemisphere = hemisphere > HEMISPHERE_RAYS_LEAST ? hemisphere : HEMISPHERE_RAYS_LEAST,
+        .deviation = 1.0f / sqrtf((float)rays * (float)samples)};
 }
 
 // About four for the eye ray and its surface, two for interpolated light, six for a gather ray with

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to render/: the budgets, that is how much work a render does, and when. Every decision
-// that divides time between stages, or makes the work of a stage depend on time, photons made,
-// pixels or the bounce, is here and in render_budget.c. Three kinds of numbers are elsewhere:
+// Private to render/: the budgets, that is how much work a render does, and when. What divides time
+// between stages, or makes the work of a stage depend on time, photons made, pixels or the bounce,
+// is here and in render_budget.c. Four kinds of numbers are elsewhere:
 // options_quality.c has the values of the options by quality and by effort, which is the time per
 // pixel, and these are the base of all decisions; a stage has beside its code the constant size of
-// a sample by which it estimates something for itself, such as the paths for the view; and the
-// sizes of its blocks and batches, after one of which it takes the next.
+// a sample by which it estimates something for itself, such as the paths for the view; the sizes of
+// its blocks and batches, after one of which it takes the next; and how it distributes the work
+// that it is given among its own pixels or photons (render_adaptive_sampling.c, photon_maps.c).
 //
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,
@@ -87,6 +88,9 @@ struct render_more_photons {
 // the global map.
 struct render_more_photons render_budget_photons(const struct render *r, double seconds,
                                                  double starved);
+// The factor by which the radius of a lookup is less if all photons are traced than if the fraction
+// `made` of them is, as it falls with the square root of their number; 1 if none or all are.
+float render_budget_lookup(double made);
 
 // ---- Records
 

@@ -117,8 +117,6 @@ satin_status render_direct(struct render *r) {
 struct gather render_gather(const struct render *r) {
     struct gather g = gather_make(&r->scene, &r->second_pass.options, r->first_pass.maps);
     g.visibility = r->first_pass.visibility;
-    // The radius of a lookup falls as the square root of the number of photons.
-    if (r->first_pass.made > 0.0 && r->first_pass.made < 1.0)
-        g.lookup_max /= (float)sqrt(r->first_pass.made);
+    g.lookup_max /= render_budget_lookup(r->first_pass.made);
     return g;
 }

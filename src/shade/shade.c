@@ -18,9 +18,7 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
     film_filter_make(&g->scene->film, &s.filter);
     // The footprint of a pixel is divided among its samples.
     if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));
-    // Without the cache the rays of a record are distributed over the samples of the pixel.
-    int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
-    s.gather = gather_layout_new(rays > 8 ? rays : 8, o->radiance_basis, 0);
+    s.gather = gather_layout_new(missing.hemisphere, o->radiance_basis, 0);
     s.worker_count = parallel_threads(pool);
     if (s.gather) s.worker = gather_workers_new(pool, gather_layout_rays(s.gather));
     if (!s.worker) {

@@ -43,6 +43,7 @@ static inline bool shade_sample_finite(const struct shade_sample *s) {
 // Gathering by samples where no record is near, or where records are too large.
 struct shade_missing {
     int rays;         // of one sample
+    int hemisphere;   // rays of one sample over the whole hemisphere, where a cache is off
     float deviation;  // relative standard deviation of the mean of a pixel's samples
 };
 

@@ -133,11 +133,23 @@ static void samples_gather_less_with_a_limit(void **state) {
                                    &(satin_options){.spp = 1 << 20, .time = 1.0});
     assert_int_equal(plain.rays, 8);
     assert_int_equal(timed.rays, 1);
+    // Where a cache is off, the samples have the rays of a record in common, and each at least 8.
+    const satin_options off = {.spp = 4, .irradiance_rays = 100};
+    assert_int_equal(render_budget_missing(&off).hemisphere, 25);
+    assert_int_equal(plain.hemisphere, 8);
     assert_true(fabsf(sqrf(plain.deviation) * 128.0f - 1.0f) < 1e-5f);
     assert_true(fabsf(sqrf(timed.deviation) * 16.0f - 1.0f) < 1e-5f);
     const struct shade_counts none = {0}, counts = {.samples = 2, .points = 2, .rays = 1};
     assert_true(render_budget_sample_cost(&none) == 1.0f);
     assert_true(render_budget_sample_cost(&counts) == 7.0f);
+}
+
+// A quarter of the photons makes the lookups twice as wide.
+static void lookups_of_fewer_photons_are_wider(void **state) {
+    (void)state;
+    assert_true(render_budget_lookup(0.25) == 0.5f);
+    assert_true(render_budget_lookup(1.0) == 1.0f && render_budget_lookup(4.0) == 1.0f);
+    assert_true(render_budget_lookup(0.0) == 1.0f);  // none were wanted
 }
 
 static void starved_maps_alone_are_made_again(void **state) {
@@ -403,6 +415,7 @@ int main(void) {
         cmocka_unit_test(as_many_paths_show_the_view_as_it_can_hold),
         cmocka_unit_test(rays_per_bin_grow_with_photons),
         cmocka_unit_test(samples_gather_less_with_a_limit),
+        cmocka_unit_test(lookups_of_fewer_photons_are_wider),
         cmocka_unit_test(starved_maps_alone_are_made_again),
         cmocka_unit_test(records_get_the_time_that_the_pilot_suggests),
         cmocka_unit_test(passes_grow_until_little_is_left),
