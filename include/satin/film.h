@@ -47,6 +47,27 @@ SATIN_API const float *satin_film_channel(const satin_film *film, const char *na
 // end determines the file.
 SATIN_API satin_status satin_film_write_exr(const satin_film *film, const char *path,
                                             satin_log_fn log, void *log_user);
+// How an OpenEXR file holds the values. All zero: channels of colours (.R, .G, .B and A) have
+// 16-bit half floats and all others 32-bit floats, compressed by ZIP. A layer of colours has 32
+// bits too if half floats cannot hold it: if a value is above 65504, or if most are below 2^-14.
+typedef enum satin_exr_compression {
+    SATIN_EXR_ZIP,   // 16 rows together
+    SATIN_EXR_ZIPS,  // row by row, for viewers that read parts
+    SATIN_EXR_PIZ,   // wavelets, smaller for noisy images
+    SATIN_EXR_RLE,
+    SATIN_EXR_NONE
+} satin_exr_compression;
+typedef struct satin_exr_format {
+    bool full_float;  // all channels have 32 bits, so that reading returns what was written
+    satin_exr_compression compression;
+} satin_exr_format;
+
+// Does what satin_film_write_exr does, in that format; NULL is all zero. SATIN_ERROR_ARGUMENT also
+// if the compression is not one of the enum.
+SATIN_API satin_status satin_film_write_exr_as(const satin_film *film, const char *path,
+                                               const satin_exr_format *format, satin_log_fn log,
+                                               void *log_user);
+
 // How light becomes a picture. All zero: the beauty, as it is, clamped.
 typedef enum satin_tone_curve {
     SATIN_TONE_CLIP,   // linear up to 1, where the display is white

@@ -142,6 +142,9 @@ typedef struct satin_options {
     bool leak_test;    // records are not used at points from which a wall separates them
     bool record_maps;  // adds channels to the film that show the records
 
+    // Layers of the image that are kept beside the beauty, "direct,albedo"; "": all; "none": none.
+    char layers[256];
+
     // Materials, by the ids of their BRDFs, whose glossy lobes are always cached or always sampled,
     // whatever radiance_error is: "floor=on,vase=off". Ended by 0.
     char material_cache[256];

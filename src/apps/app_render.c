@@ -81,7 +81,7 @@ static satin_status write_outputs(const struct app_render_request *r, const sati
     } else {
         struct parallel *pool = parallel_new(threads);
         if (pool) parallel_begin_part(pool, "write");
-        status = film_write_exr(film, r->output, pool, log);
+        status = film_write_exr_as(film, r->output, &r->format, pool, log);
         if (pool) stats_set_parts(&written, pool);
         parallel_free(pool);
     }

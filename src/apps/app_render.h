@@ -13,6 +13,7 @@ struct app_render_request {
     const char *scene, *output, *png, *stats, *load, *save, *sensor;
     bool want_png, quiet, help;
     satin_tonemap tonemap;
+    satin_exr_format format;
     unsigned scene_flags;
     satin_define *define;
     satin_setting *setting;

@@ -18,6 +18,8 @@ enum {
     FLAG_CROP,
     FLAG_EXPOSURE,
     FLAG_TONEMAP,
+    FLAG_FLOAT,
+    FLAG_COMPRESSION,
     FLAG_STRICT,
     FLAG_LENIENT,
     FLAG_QUIET,
@@ -43,6 +45,9 @@ const struct app_flag app_render_flags[] = {
      "Renders W x H pixels of the film, from column X and row Y on, instead of the scene's crop."},
     {"--exposure", NULL, "STOPS|auto", APP_EXPOSURE_DOC},
     {"--tonemap", NULL, "clip|filmic", APP_TONEMAP_DOC},
+    {"--float", NULL, NULL,
+     "Writes 32-bit floats in all channels; otherwise channels of colours have 16 bits."},
+    {"--compression", NULL, "zip|zips|piz|rle|none", "How the OpenEXR file is compressed."},
     {"--strict", NULL, NULL, "Treats warnings about the scene as errors."},
     {"--lenient", NULL, NULL,
      "Renders a scene with missing files or unknown plugins, which are left out or become grey."},
@@ -56,6 +61,7 @@ const struct app_flag app_render_flags[] = {
     {"--width", NULL, "W", "Film width in pixels."},
     {"--height", NULL, "H", "Film height in pixels."},
     {"--seed", NULL, "S", "Seed of all random numbers."},
+    {"--layers", NULL, "NAME,...", "The layers beside the beauty; `none`: the beauty alone."},
     {"--threads", NULL, "T", "The number of threads; 0 is one per core."},
     {"--time", NULL, "SECONDS", "Stops with the best image so far when the time is up."},
     {"--denoise", NULL, NULL,
@@ -98,6 +104,9 @@ static const char **text_of(struct app_render_request *r, int flag) {
 // Takes a flag without a value. False if it has one.
 static bool take_switch(struct app_render_request *r, int flag) {
     switch (flag) {
+        case FLAG_FLOAT:
+            r->format.full_float = true;
+            return true;
         case FLAG_STRICT:
             r->scene_flags |= SATIN_SCENE_STRICT;
             return true;
@@ -115,6 +124,15 @@ static bool take_switch(struct app_render_request *r, int flag) {
     }
 }
 
+static int take_compression(struct app_render_request *r, const char *value) {
+    static const char *const names[] = {"zip", "zips", "piz", "rle", "none"};
+    for (int i = 0; i <= SATIN_EXR_NONE; i++) {
+        r->format.compression = (satin_exr_compression)i;
+        if (strcmp(value, names[i]) == 0) return APP_DONE;
+    }
+    return app_wrong("--compression needs zip, zips, piz, rle or none, not '%s'", value);
+}
+
 static int take_flag(struct app_render_request *r, int flag, char *value) {
     satin_define *define = &r->define[r->define_count];
     satin_setting *setting = &r->setting[r->setting_count];
@@ -122,6 +140,8 @@ static int take_flag(struct app_render_request *r, int flag, char *value) {
     if (text) *text = value;
     if (text || take_switch(r, flag)) return APP_DONE;
     switch (flag) {
+        case FLAG_COMPRESSION:
+            return take_compression(r, value);
         case FLAG_CROP:
             return take_crop(r, value);
         case FLAG_EXPOSURE:

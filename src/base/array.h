@@ -18,6 +18,10 @@ void *array_new(size_t count, size_t size);
 // system's work for each new page is distributed over the threads too.
 void *array_new_unset(size_t count, size_t size);
 
+// Returns the memory of the whole pages in `bytes` bytes of an array to the system. What the bytes
+// hold is lost; they may be freed or written again.
+void array_drop(void *items, size_t bytes);
+
 // For qsort of floats, none of them NaN, in ascending order.
 int array_compare_floats(const void *a, const void *b);
 

@@ -14,6 +14,13 @@ struct film_attribute {
     char *name, *value;
 };
 
+// The matrices of a camera as OpenEXR has them, for row vectors: p' = p M.
+struct film_camera {
+    bool known;
+    float to_camera[16];  // from world space to the camera's: z is forward, y up, x to the left
+    float to_ndc[16];     // to the film: x y from 0 at its top left to 1 at its bottom right
+};
+
 struct satin_film {
     int width, height;
     int x, y, full_width, full_height;  // see satin_film_window
@@ -22,7 +29,9 @@ struct satin_film {
     float **channel;  // each width * height
     int attribute_count;
     struct film_attribute *attribute;
-    char *stats;  // JSON or NULL
+    char *stats;      // JSON or NULL
+    bool full_float;  // whether files have 32-bit floats in all channels, whatever the format says
+    struct film_camera camera;
 };
 
 // Makes a film with zeroed channels of these names, which are copied. NULL if there is no memory,
@@ -37,6 +46,10 @@ const char *film_attribute_get(const struct satin_film *film, const char *name);
 #define FILM_STATS_ATTRIBUTE "satin:stats"
 // Writes an OpenEXR file. With a pool, all threads compress, with the same result; NULL: no pool.
 // The pool's progress function must not cancel it, because then the writing fails.
+satin_status film_write_exr_as(const struct satin_film *film, const char *path,
+                               const satin_exr_format *format, struct parallel *pool,
+                               struct log log);
+// Does so with full floats and ZIP compression.
 satin_status film_write_exr(const struct satin_film *film, const char *path, struct parallel *pool,
                             struct log log);
 // Reads the bytes of an OpenEXR file; `name` is for messages. SATIN_ERROR_INPUT if they are invalid

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes films to OpenEXR: one part, scanlines, float, ZIP; attributes as strings. Chunks of 16
-// lines are compressed in parallel, in batches, and written in order, so the bytes do not depend on
-// threads. They are written by base/fileio_output.h. OpenEXR reports success even if chunks are
-// missing, so written chunks are counted here.
+// Writes films to OpenEXR: one part, scanlines; attributes as strings. Chunks, of 16 lines with
+// ZIP, are converted and compressed in parallel, in batches, and written in order, so the bytes do
+// not depend on threads. They are written by base/fileio_output.h. OpenEXR reports success even if
+// chunks are missing, so written chunks are counted here.
 #include <math.h>
 #include <openexr.h>
 #include <stdlib.h>
@@ -18,6 +18,12 @@ enum {
     SHORT_NAME_MAX = 31  // longer names need a flag that readers before OpenEXR 1.7 refuse
 };
 
+static const exr_compression_t exr_compressions[] = {
+    [SATIN_EXR_ZIP] = EXR_COMPRESSION_ZIP,   [SATIN_EXR_ZIPS] = EXR_COMPRESSION_ZIPS,
+    [SATIN_EXR_PIZ] = EXR_COMPRESSION_PIZ,   [SATIN_EXR_RLE] = EXR_COMPRESSION_RLE,
+    [SATIN_EXR_NONE] = EXR_COMPRESSION_NONE,
+};
+
 struct exr_chunk {
     void *data;  // from malloc
     uint64_t bytes;
@@ -25,8 +31,13 @@ struct exr_chunk {
     size_t dropped;  // number of values that were not finite
 };
 
+// Half floats from 2^-14 on have a relative error of up to 2^-11. Below, it is 2^-25 in all.
+static const float HALF_LARGEST = 65504.0f, HALF_NORMAL = 0x1p-14f;
+static const double HALF_RELATIVE = 0x1p-11, HALF_ABSOLUTE = 0x1p-25;
+
 struct writer {
     const struct satin_film *film;
+    satin_exr_format format;
     struct fileio_output file;
     exr_context_t exr;
     int lines, first;  // lines per chunk; index of the batch's first chunk
@@ -133,6 +144,46 @@ static exr_result_t write_batch(struct writer *w, int count, struct parallel *po
     return r;
 }
 
+// Whether a channel is of a layer of colours, and the length of its layer's name with the point.
+// The variance of a reference is not a colour.
+static bool is_color(const char *name, size_t *layer) {
+    const size_t length = strlen(name);
+    *layer = length - 1;
+    if (length == 0 || !strchr("RGBA", name[length - 1])) return false;
+    if (length > 1 && name[length - 2] != '.') return false;
+    return strncmp(name, "variance.", 9) != 0;
+}
+
+// Whether half floats hold the values about as exactly as they hold numbers of their normal range.
+static bool fits_half(const float *value, size_t count) {
+    double sum = 0.0, small = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const float size = fabsf(value[i]);
+        if (!(size <= HALF_LARGEST)) {
+            if (isfinite(size)) return false;
+            continue;
+        }
+        sum += (double)size;
+        small += size > 0.0f && size < HALF_NORMAL;
+    }
+    return small * HALF_ABSOLUTE <= HALF_RELATIVE * sum;
+}
+
+// The type of a channel in the file, the same for all channels of a layer of colours.
+static exr_pixel_type_t pixel_type(const struct writer *w, int channel) {
+    const struct satin_film *film = w->film;
+    const size_t pixels = (size_t)film->width * (size_t)film->height;
+    const char *name = film->channel_name[channel];
+    size_t layer, other;
+    if (w->format.full_float || film->full_float || !is_color(name, &layer)) return EXR_PIXEL_FLOAT;
+    for (int i = 0; i < film->channel_count; i++) {
+        const bool same = is_color(film->channel_name[i], &other) && other == layer &&
+                          strncmp(film->channel_name[i], name, layer) == 0;
+        if (same && !fits_half(film->channel[i], pixels)) return EXR_PIXEL_FLOAT;
+    }
+    return EXR_PIXEL_HALF;
+}
+
 static bool has_long_name(const struct satin_film *film) {
     for (int i = 0; i < film->channel_count; i++)
         if (strlen(film->channel_name[i]) > SHORT_NAME_MAX) return true;
@@ -142,7 +193,8 @@ static bool has_long_name(const struct satin_film *film) {
 }
 
 // The display window is the whole image, the data window is what the film has of it.
-static exr_result_t set_windows(exr_context_t exr, const struct satin_film *film) {
+static exr_result_t set_windows(exr_context_t exr, const struct satin_film *film,
+                                exr_compression_t compression) {
     const exr_attr_box2i_t whole = {.max.x = film->full_width - 1, .max.y = film->full_height - 1};
     const exr_attr_box2i_t data = {.min.x = film->x,
                                    .min.y = film->y,
@@ -150,7 +202,20 @@ static exr_result_t set_windows(exr_context_t exr, const struct satin_film *film
                                    .max.y = film->y + film->height - 1};
     const exr_attr_v2f_t centre = {.x = 0.0f};
     return exr_initialize_required_attr(exr, 0, &whole, &data, 1.0f, &centre, 1.0f,
-                                        EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+                                        EXR_LINEORDER_INCREASING_Y, compression);
+}
+
+// Describes colours and camera: the primaries of linear sRGB (ITU-R BT.709), and the matrices.
+static exr_result_t set_standard_attributes(exr_context_t exr, const struct satin_film *film) {
+    static const exr_attr_chromaticities_t srgb = {0.64f, 0.33f, 0.30f,   0.60f,
+                                                   0.15f, 0.06f, 0.3127f, 0.3290f};
+    exr_attr_m44f_t matrix;
+    exr_result_t r = exr_attr_set_chromaticities(exr, 0, "chromaticities", &srgb);
+    if (!film->camera.known) return r;
+    memcpy(matrix.m, film->camera.to_camera, sizeof matrix.m);
+    if (r == EXR_ERR_SUCCESS) r = exr_attr_set_m44f(exr, 0, "worldToCamera", &matrix);
+    memcpy(matrix.m, film->camera.to_ndc, sizeof matrix.m);
+    return r == EXR_ERR_SUCCESS ? exr_attr_set_m44f(exr, 0, "worldToNDC", &matrix) : r;
 }
 
 static exr_result_t write_header(struct writer *w) {
@@ -158,10 +223,12 @@ static exr_result_t write_header(struct writer *w) {
     int part = 0;
     exr_result_t r = exr_set_longname_support(w->exr, has_long_name(film));
     if (r == EXR_ERR_SUCCESS) r = exr_add_part(w->exr, NULL, EXR_STORAGE_SCANLINE, &part);
-    if (r == EXR_ERR_SUCCESS) r = set_windows(w->exr, film);
+    if (r == EXR_ERR_SUCCESS)
+        r = set_windows(w->exr, film, exr_compressions[w->format.compression]);
     for (int i = 0; r == EXR_ERR_SUCCESS && i < film->channel_count; i++)
-        r = exr_add_channel(w->exr, 0, film->channel_name[i], EXR_PIXEL_FLOAT,
+        r = exr_add_channel(w->exr, 0, film->channel_name[i], pixel_type(w, i),
                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    if (r == EXR_ERR_SUCCESS) r = set_standard_attributes(w->exr, film);
     for (int i = 0; r == EXR_ERR_SUCCESS && i < film->attribute_count; i++)
         r = exr_attr_set_string(w->exr, 0, film->attribute[i].name, film->attribute[i].value);
     if (r == EXR_ERR_SUCCESS && film->stats)
@@ -191,13 +258,18 @@ static exr_result_t write_file(struct writer *w, struct parallel *pool, size_t *
     return r == EXR_ERR_SUCCESS ? closed : r;
 }
 
-satin_status film_write_exr(const struct satin_film *film, const char *path, struct parallel *pool,
-                            struct log log) {
+satin_status film_write_exr_as(const struct satin_film *film, const char *path,
+                               const satin_exr_format *format, struct parallel *pool,
+                               struct log log) {
     if (film->channel_count == 0)
         return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the film has no channels", path);
+    if ((unsigned)format->compression > SATIN_EXR_NONE)
+        return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: unknown compression %u", path,
+                        (unsigned)format->compression);
     struct writer *w = calloc(1, sizeof *w);
     if (!w) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     w->film = film;
+    w->format = *format;
     size_t dropped = 0;
     satin_status status = fileio_output_open(log, path, FILEIO_SEEK, &w->file);
     if (status == SATIN_OK) {
@@ -217,10 +289,25 @@ satin_status film_write_exr(const struct satin_film *film, const char *path, str
     return status;
 }
 
-satin_status satin_film_write_exr(const satin_film *film, const char *path, satin_log_fn log,
-                                  void *log_user) {
+satin_status film_write_exr(const struct satin_film *film, const char *path, struct parallel *pool,
+                            struct log log) {
+    const satin_exr_format full = {.full_float = true};
+    return film_write_exr_as(film, path, &full, pool, log);
+}
+
+satin_status satin_film_write_exr_as(const satin_film *film, const char *path,
+                                     const satin_exr_format *format, satin_log_fn log,
+                                     void *log_user) {
+    static const satin_exr_format plain;
     struct parallel *pool = parallel_new(0);  // if there are no threads, one core does all
-    satin_status status = film_write_exr(film, path, pool, (struct log){log, log_user});
+    satin_status status =
+        film_write_exr_as(film, path, format ? format : &plain, pool, (struct log){log, log_user});
     parallel_free(pool);
     return status;
+}
+
+satin_status satin_film_write_exr(const satin_film *film, const char *path, satin_log_fn log,
+                                  void *log_user) {
+    const satin_exr_format full = {.full_float = true};
+    return satin_film_write_exr_as(film, path, &full, log, log_user);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // <film>, <rfilter> and <sampler>: the size of the image, its filter, the samples per pixel. Names
 // and defaults are Mitsuba 3's.
+#include "base/text.h"
 #include "load/load_state.h"
 
 // Limits of the film: its width and height, so that products are far from overflow, and its pixels.
@@ -59,14 +60,21 @@ static const struct param_spec file_format = {
     NULL,
     "It has no effect: the name of the output file chooses the format."};
 static const struct param_spec pixel_format = {
-    "pixel_format", PARAM_STRING, "rgb", 0, 0, NULL, "It has no effect: images are RGB."};
+    "pixel_format",
+    PARAM_STRING,
+    "rgb",
+    0,
+    0,
+    NULL,
+    "A format with alpha, such as rgba, adds a channel of coverage. Images are RGB in any case."};
 static const struct param_spec component_format = {"component_format",
                                                    PARAM_STRING,
                                                    "float16",
                                                    0,
                                                    0,
                                                    NULL,
-                                                   "It has no effect: channels are 32-bit floats."};
+                                                   "With float32, all channels of an OpenEXR file "
+                                                   "have 32 bits."};
 static const struct param_spec sample_border = {
     "sample_border",
     PARAM_BOOLEAN,
@@ -144,6 +152,30 @@ static satin_status check_side(struct load_state *loader, const struct params *p
     return SATIN_ERROR_INPUT;
 }
 
+static bool is_one_of(const char *word, const char *const *list) {
+    for (; *list; list++)
+        if (text_same_name(word, *list)) return true;
+    return false;
+}
+
+// Reads the formats of pixels and of their components, in any case of letters, as in Mitsuba.
+static void read_formats(struct load_state *loader, const struct params *p,
+                         struct film_spec *film) {
+    static const char *const plain[] = {"luminance", "rgb", "xyz", "multichannel", NULL};
+    static const char *const alpha[] = {"luminance_alpha", "luminancealpha", "rgba", "xyza", NULL};
+    static const char *const component[] = {"float16", "float32", "uint32", NULL};
+    const struct param_value *pixel = param(p, "pixel_format"),
+                             *size = param(p, "component_format");
+    film->alpha = is_one_of(pixel->s, alpha);
+    film->full_float = text_same_name(size->s, "float32");
+    if (!film->alpha && !is_one_of(pixel->s, plain))
+        log_warning_at(loader->log, pixel->place, "the pixel_format '%.40s' is unknown: it is rgb",
+                       pixel->s);
+    if (!is_one_of(size->s, component))
+        log_warning_at(loader->log, size->place,
+                       "the component_format '%.40s' is unknown: it is float16", size->s);
+}
+
 static satin_status build_film(struct load_state *loader, const struct params *p, void *object) {
     struct film_spec *film = object;
     const char *const sides[] = {"width",         "height",     "crop_offset_x",
@@ -164,6 +196,7 @@ static satin_status build_film(struct load_state *loader, const struct params *p
         return load_refuse(loader, p, "its crop window is not inside of it");
     if ((int64_t)film->crop_width * film->crop_height > SCENE_PIXELS_MAX)
         return load_refuse(loader, p, "it has too many pixels");
+    read_formats(loader, p, film);
     return SATIN_OK;
 }
 

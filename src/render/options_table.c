@@ -200,6 +200,9 @@ const struct option options_table[] = {
      "Records do not contribute to points from which a wall separates them."},
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",
      "Adds channels to the image that show the records, for `satin maps`."},
+    {"layers", OPTION_TEXT, AT(layers), false, "NAME,...",
+     "Layers that the image has beside the beauty, such as direct,albedo; fewer layers take less "
+     "memory and a smaller file. Without a name it has all, and with none, the beauty alone."},
     {"material-cache", OPTION_TEXT, AT(material_cache), false, "NAME=on|off,...",
      "Materials, by the ids of their BRDFs, whose gloss is always cached (on) or always sampled "
      "(off), whatever radiance-error is. The name material.NAME.cache, with value on or off, adds "
@@ -267,7 +270,7 @@ static bool parse_seed(const char *value, uint64_t *out) {
 }
 
 // Reads words NAME=on or NAME=off, separated by commas.
-static bool parse_text(const char *value, char *out) {
+static bool parse_materials(const char *value, char *out) {
     size_t length = strlen(value);
     if (length >= OPTION_TEXT_SIZE) return false;
     for (const char *at = value; *at;) {
@@ -277,6 +280,16 @@ static bool parse_text(const char *value, char *out) {
         if (name == 0 || !(on || off)) return false;
         at += word + (at[word] == ',');
     }
+    memcpy(out, value, length + 1);
+    return true;
+}
+
+// Reads words with commas between them, none of them empty.
+static bool parse_names(const char *value, char *out) {
+    const size_t length = strlen(value);
+    if (length >= OPTION_TEXT_SIZE || value[strcspn(value, " \t\r\n=")]) return false;
+    if (value[0] == ',' || strstr(value, ",,") || (length && value[length - 1] == ','))
+        return false;
     memcpy(out, value, length + 1);
     return true;
 }
@@ -300,7 +313,8 @@ bool option_parse(const struct option *option, const char *value, satin_options 
     double number = 0.0;
     int word = 0;
     if (option->kind == OPTION_SEED) return parse_seed(value, out);
-    if (option->kind == OPTION_TEXT) return parse_text(value, out);
+    if (option->kind == OPTION_TEXT)
+        return strchr(option->range, '=') ? parse_materials(value, out) : parse_names(value, out);
     if (option->kind == OPTION_CHOICE) {
         if (!parse_word(option->range, value, &word)) return false;
         memcpy(out, &word, sizeof word);  // an enum of the public header has the size of int

@@ -67,6 +67,8 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     if (status == SATIN_OK) status = start_threads(r);
     if (status == SATIN_OK) status = render_denoiser(r);
     if (status != SATIN_OK) return status;
+    status = render_film_check(&r->scene, &r->second_pass.options, r->log);
+    if (status != SATIN_OK) return status;
     camera_check(&r->scene, r->log);
     return allocate_image(r);
 }

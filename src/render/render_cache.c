@@ -15,11 +15,27 @@ static const size_t BYTES_MAX = (size_t)1 << 38;
 
 // Options that do not affect records, except for their positions.
 static const char *const free_options[] = {
-    "quality",   "integrator",      "spp",           "adaptive-sampling",
-    "width",     "height",          "seed",          "threads",
-    "crop-x",    "crop-y",          "crop-width",    "crop-height",
-    "time",      "hide-emitters",   "light-samples", "glossy-samples",
-    "caustic-k", "caustic-photons", "record-maps",   "denoise",
+    "quality",
+    "integrator",
+    "spp",
+    "adaptive-sampling",
+    "width",
+    "height",
+    "seed",
+    "threads",
+    "crop-x",
+    "crop-y",
+    "crop-width",
+    "crop-height",
+    "layers",
+    "time",
+    "hide-emitters",
+    "light-samples",
+    "glossy-samples",
+    "caustic-k",
+    "caustic-photons",
+    "record-maps",
+    "denoise",
 };
 
 static bool affects_records(const char *option) {

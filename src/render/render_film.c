@@ -4,8 +4,11 @@
 // quantities that the integrator does not compute. A channel that the scene asks for replaces the
 // channel of satin's of the same name.
 #include <stdatomic.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "base/array.h"
+#include "base/text.h"
 #include "render/render_image.h"
 
 // The least weight of a pixel per sample; the mean is 1.
@@ -23,12 +26,14 @@ enum {
 enum {
     CHANNEL_LAYERS = 3,
     CHANNEL_DEPTH = CHANNEL_LAYERS + 3 * SHADE_LAYERS,
+    CHANNEL_ALPHA,  // if the scene's film asks for it
     CHANNEL_DENSITY,
     CHANNEL_SAMPLES,
     CHANNEL_MAPS,                      // four channels of records, with option record-maps
     CHANNEL_NOISY = CHANNEL_MAPS + 4,  // with option denoise
     CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
-    FILM_CHANNELS = CHANNEL_UNCACHED + 3
+    FILM_CHANNELS = CHANNEL_UNCACHED + 3,
+    NAMES_MAX = FILM_CHANNELS + AOV_CHANNELS_MAX  // of an image
 };
 
 static const struct {
@@ -60,6 +65,7 @@ static const struct {
     {"normal.Y", ANY},
     {"normal.Z", ANY},
     {"depth.Z", ANY},
+    {"A", ANY},
     {"density.Y", BY_TWO_PASS},
     {"samples.Y", ANY},
     {"records.position", BY_TWO_PASS},
@@ -128,6 +134,8 @@ static void put_pixel(const struct planes *planes, size_t at, const struct image
         put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
     put_rgb(planes, CHANNEL_LAYERS + 3 * SHADE_EMISSION, at, emission, 1.0f);
     put(planes, CHANNEL_DEPTH, at, pixel->depth * scale);
+    // The weights of a filter with negative lobes may add up to less or more than all of a pixel.
+    put(planes, CHANNEL_ALPHA, at, fminf(fmaxf(pixel->alpha * scale, 0.0f), 1.0f));
     if (pixel->samples)
         put(planes, CHANNEL_DENSITY, at, (float)pixel->used.count / (float)pixel->samples);
 }
@@ -161,22 +169,105 @@ static bool is_aov(const struct scene_aovs *aovs, const char *name) {
     return false;
 }
 
-struct satin_film *render_film_new(int width, int height, const struct scene_aovs *aovs,
-                                   const satin_options *options) {
-    const char *name[FILM_CHANNELS + AOV_CHANNELS_MAX];
-    int count = 0;
-    for (int i = 0; i < FILM_CHANNELS; i++) {
-        if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) continue;
-        if (i >= CHANNEL_NOISY && !options->denoise) continue;
-        if (channels[i].by & 1u << options->integrator && !is_aov(aovs, channels[i].name))
-            name[count++] = channels[i].name;
-    }
-    for (int i = 0; i < aovs->count; i++) name[count++] = aovs->channel[i].name;
-    return film_new(width, height, name, count);
+// ---- Which channels -----------------------------------------------------------------------------
+
+// The number of letters of a channel's layer: the name before its last point, or all of it.
+static size_t layer_length(const char *channel) {
+    const char *point = strrchr(channel, '.');
+    return point ? (size_t)(point - channel) : strlen(channel);
 }
+
+static bool is_beauty(const char *channel) {
+    return strlen(channel) == 1 && strchr("RGBA", channel[0]);
+}
+
+// Whether option layers has the channel's layer. It has the beauty always, and all if it is empty.
+static bool is_wanted(const char *layers, const char *channel) {
+    const size_t length = layer_length(channel);
+    if (!*layers || is_beauty(channel)) return true;
+    for (const char *at = layers; *at;) {
+        const size_t word = strcspn(at, ",");
+        if (word == length && strncmp(at, channel, word) == 0) return true;
+        at += word + (at[word] == ',');
+    }
+    return false;
+}
+
+static bool has_channel(const struct satin_scene *scene, const satin_options *options, int i) {
+    if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) return false;
+    if (i >= CHANNEL_NOISY && !options->denoise) return false;
+    if (i == CHANNEL_ALPHA && !scene->film.alpha) return false;
+    return channels[i].by & 1u << options->integrator &&
+           !is_aov(&scene->hints.aovs, channels[i].name);
+}
+
+// Sets the names of all channels that the integrator computes, whether or not the option layers has
+// them. Returns their number.
+static int all_channels(const struct satin_scene *scene, const satin_options *options,
+                        const char *name[NAMES_MAX]) {
+    const struct scene_aovs *aovs = &scene->hints.aovs;
+    int count = 0;
+    for (int i = 0; i < FILM_CHANNELS; i++)
+        if (has_channel(scene, options, i)) name[count++] = channels[i].name;
+    for (int i = 0; i < aovs->count; i++) name[count++] = aovs->channel[i].name;
+    return count;
+}
+
+satin_status render_film_check(const struct satin_scene *scene, const satin_options *options,
+                               struct log log) {
+    enum { LAYER_NAME = 128 };
+    const char *name[NAMES_MAX];
+    char layer[NAMES_MAX][LAYER_NAME], wanted[LAYER_NAME];
+    const int count = all_channels(scene, options, name);
+    for (int i = 0; i < count; i++)
+        snprintf(layer[i], LAYER_NAME, "%.*s", (int)layer_length(name[i]), name[i]);
+    for (const char *at = options->layers; *at;) {
+        const size_t word = strcspn(at, ",");
+        snprintf(wanted, sizeof wanted, "%.*s", (int)word, at);
+        struct text_nearest search = {.word = wanted};
+        bool known = strcmp(wanted, "none") == 0;
+        for (int i = 0; i < count && !known; i++) {
+            if (is_beauty(name[i])) continue;
+            known = strcmp(layer[i], wanted) == 0;
+            text_nearest_try(&search, layer[i]);
+        }
+        if (!known && search.best)
+            return log_fail(log, SATIN_ERROR_INPUT,
+                            "option layers: the image has no layer '%s' (did you mean '%s'?)",
+                            wanted, search.best);
+        if (!known)
+            return log_fail(log, SATIN_ERROR_INPUT, "option layers: the image has no layer '%s'",
+                            wanted);
+        at += word + (at[word] == ',');
+    }
+    return SATIN_OK;
+}
+
+struct satin_film *render_film_new(const struct satin_scene *scene, const satin_options *options) {
+    const char *name[NAMES_MAX];
+    const struct film_spec *spec = &scene->film;
+    const int count = all_channels(scene, options, name);
+    int wanted = 0;
+    for (int i = 0; i < count; i++)
+        if (is_wanted(options->layers, name[i])) name[wanted++] = name[i];
+    struct satin_film *film = film_new(spec->crop_width, spec->crop_height, name, wanted);
+    if (!film) return NULL;
+    film->x = spec->crop_x;
+    film->y = spec->crop_y;
+    film->full_width = spec->width;
+    film->full_height = spec->height;
+    film->full_float = spec->full_float;
+    return film;
+}
+
+// ---- The values ---------------------------------------------------------------------------------
+
+// The least number of rows that are converted at a time.
+enum { FILM_BAND = 64 };
 
 struct filming {
     const struct render_image *image;
+    int first;  // row of the band
     struct planes planes;
     float *aov[AOV_CHANNELS_MAX];
     atomic_uint_fast64_t samples, dropped, filled;
@@ -188,6 +279,8 @@ static void fill_rows_of_film(void *ctx, size_t begin, size_t end, int worker) {
     const size_t width = (size_t)image->width;
     uint64_t samples = 0, dropped = 0, filled = 0;
     (void)worker;
+    begin += (size_t)f->first;
+    end += (size_t)f->first;
     for (size_t at = begin * width; at < end * width; at++) {
         const struct image_pixel *pixel = &image->pixel[at],
                                  *source = render_image_source(image, (int)(at % width),
@@ -216,8 +309,20 @@ void render_image_film(struct render *r, bool *any) {
         f.planes.of[i] = film_channel(image->film, channels[i].name);
     for (int i = 0; i < image->aovs->count; i++)
         f.aov[i] = film_channel(image->film, image->aovs->channel[i].name);
-    // A cancelled render has a film too.
-    parallel_for_all(r->pool, (size_t)image->height, 4, fill_rows_of_film, &f);
+    // The film grows by as much as the sums of the pixels shrink, so that both are never in memory
+    // at the same time. A row reads pixels of its own band alone (render_image_source).
+    adaptive_destroy(&r->image->adapt);
+    const int band = image->coarsest > FILM_BAND ? image->coarsest : FILM_BAND;
+    for (; f.first < image->height; f.first += band) {
+        const int rows = image->height - f.first < band ? image->height - f.first : band;
+        const size_t begin = (size_t)f.first * (size_t)image->width,
+                     count = (size_t)rows * (size_t)image->width;
+        // A cancelled render has a film too.
+        parallel_for_all(r->pool, (size_t)rows, 4, fill_rows_of_film, &f);
+        array_drop(image->pixel + begin, count * sizeof *image->pixel);
+        if (image->aov)
+            array_drop(image->aov + begin * image->sums, count * image->sums * sizeof *image->aov);
+    }
     const uint64_t samples = f.samples, dropped = f.dropped, filled = f.filled;
     stats_set(&r->stats, "image.nonfinite", (double)dropped);
     stats_set(&r->stats, "image.filled", (double)filled);

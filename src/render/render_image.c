@@ -36,13 +36,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->pixel = calloc(pixels, sizeof *image->pixel);
     image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
-    image->film = render_film_new(width, height, aovs, options);
-    if (image->film) {
-        image->film->x = scene->film.crop_x;
-        image->film->y = scene->film.crop_y;
-        image->film->full_width = scene->film.width;
-        image->film->full_height = scene->film.height;
-    }
+    image->film = render_film_new(scene, options);
     bool ok = image->pixel && image->film && (image->aov || !aovs->values);
     if (ok && options->denoise) ok = render_denoise_memory(image);
     if (ok && adaptive_make(&image->adapt, width, height, options->light_samples)) return image;
@@ -81,6 +75,7 @@ static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) 
     for (int i = 0; i < SHADE_LAYERS; i++)
         pixel->layer[i] = rgb_mad(pixel->layer[i], s->layer[i], s->weight);
     pixel->depth += s->weight * s->depth;
+    pixel->alpha += s->weight * s->alpha;
     pixel->record += s->record;
     pixel->used = cache_used_add(pixel->used, s->used);
     return true;

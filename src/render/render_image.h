@@ -9,7 +9,7 @@
 struct image_pixel {
     rgb beauty;
     rgb layer[SHADE_LAYERS];
-    float depth, record;
+    float depth, alpha, record;
     struct cache_used used;
     float weight;  // in the film's filter
     uint32_t samples, dropped;
@@ -52,8 +52,10 @@ bool render_denoise_memory(struct render_image *image);
 // the samples that are distributed equally. *whole is false if it was stopped early.
 satin_status render_rims(struct render *r, bool *whole);
 
+// Checks that the image has each layer of option layers; else logs one line (render_film.c).
+satin_status render_film_check(const struct satin_scene *scene, const satin_options *options,
+                               struct log log);
 // Makes an empty film for an image; NULL if there is no memory (render_film.c).
-struct satin_film *render_film_new(int width, int height, const struct scene_aovs *aovs,
-                                   const satin_options *options);
+struct satin_film *render_film_new(const struct satin_scene *scene, const satin_options *options);
 
 #endif

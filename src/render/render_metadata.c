@@ -24,12 +24,36 @@ static struct stats_span span_without(struct stats_span a, struct stats_span b) 
                                a.process_s - b.process_s};
 }
 
+// Sets the matrices of the camera. A point p of world space is at p * to_ndc on the film.
+static void set_camera(const struct satin_scene *scene, struct film_camera *out) {
+    const struct camera *camera = &scene->camera;
+    const float near = camera->near_clip, far = camera->far_clip, depth = far / (far - near);
+    struct mat4 to_camera, to_film = {{{0}}};
+    if (!mat4_inverse(&camera->to_world, &to_camera)) return;
+    // As camera_ray maps film positions to the plane z = 1, or for parallel rays to any.
+    const int at = camera->orthographic ? 3 : 2;  // the column of what the offset multiplies
+    to_film.m[0][0] = -0.5f / camera->tan_x;
+    to_film.m[1][1] = -0.5f / camera->tan_y;
+    to_film.m[0][at] = 0.5f - camera->shift.x;
+    to_film.m[1][at] = 0.5f - camera->shift.y;
+    to_film.m[2][2] = camera->orthographic ? depth / far : depth;
+    to_film.m[2][3] = camera->orthographic ? -near * depth / far : -near * depth;
+    to_film.m[3][at] = 1.0f;
+    const struct mat4 to_ndc = mat4_mul(&to_film, &to_camera);
+    for (int i = 0; i < 16; i++) {
+        out->to_camera[i] = to_camera.m[i % 4][i / 4];
+        out->to_ndc[i] = to_ndc.m[i % 4][i / 4];
+    }
+    out->known = true;
+}
+
 bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.total_s", render_elapsed(r));
     stats_set(&r->stats, "memory.peak_bytes", stats_peak_memory());
     stats_set_span(&r->stats, "load", span_without(r->scene.load_span, r->scene.bvh_span));
     stats_set_span(&r->stats, "bvh", r->scene.bvh_span);
     stats_set_parts(&r->stats, r->pool);
+    set_camera(&r->scene, &film->camera);
     char hash[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->scene.hash);
     satin_options used = r->second_pass.options;

@@ -206,7 +206,7 @@ satin_status render_denoiser(struct render *r);
 void render_denoise(struct render *r);
 
 // ---- render_film.c
-// Fills the film from the image so far. *any: some pixel has a sample.
+// Fills the film from the image so far, whose pixels are lost. *any: some pixel has a sample.
 void render_image_film(struct render *r, bool *any);
 
 // ---- render_metadata.c

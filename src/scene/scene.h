@@ -274,6 +274,8 @@ struct film_spec {
     enum filter_kind filter;
     float radius, stddev;  // in pixels
     float b, c;            // cubic: its parameters
+    bool alpha;            // whether the image has a channel of coverage
+    bool full_float;       // whether a file of the image has 32-bit floats in all channels
 };
 
 struct light;  // defined in folder light, as light_tree

@@ -45,6 +45,11 @@ static void surface_channels(const struct shade *shade, const struct shading_poi
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);
 }
 
+// As in Mitsuba: an environment that is seen covers the pixel, unless it is hidden.
+static float coverage(const struct shade *shade, bool hit) {
+    return hit || (shade->g->scene->environment >= 0 && shade->g->options->hide_emitters <= 0);
+}
+
 // Sets the channels of the scene that depend on the sum of the light.
 static void light_channels(const struct shade *shade, struct shade_sample *out) {
     const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
@@ -73,6 +78,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     out->layer[SHADE_EMISSION] = seen.emission;
     out->uncached = rgb_sub(out->beauty, seen.emission);
     if (seen.hit) surface_channels(shade, &seen.point, &camera, out);
+    out->alpha = coverage(shade, seen.hit);
     light_channels(shade, out);
     out->weight = camera.weight;
 }
@@ -90,6 +96,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PIXEL);
     shade_eye_trace(shade, x, y, &sampler, &eye);
     if (eye.hit) surface_channels(shade, &eye.first, &eye.camera, out);
+    out->alpha = coverage(shade, eye.hit);
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);

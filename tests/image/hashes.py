@@ -53,12 +53,19 @@ def pixels(data):
     return attributes[b"channels"] + attributes[b"dataWindow"] + data[first:]
 
 
+def full_floats(satin):
+    """The argument with which a program writes full floats; programs before it had no other."""
+    helped = subprocess.run([satin, "help", "render"], capture_output=True, text=True, check=True)
+    return ["--float"] if "--float " in helped.stdout else []
+
+
 def hash_of(satin, scene, side, options):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out.exr"
         done = subprocess.run(
             [satin, "render", SCENES / scene, "-o", out, "--width", str(side),
-             "--height", str(side), *options.split(), *COMMON], capture_output=True, text=True)
+             "--height", str(side), *options.split(), *COMMON, *full_floats(satin)],
+            capture_output=True, text=True)
         if done.returncode:
             raise RenderFailed(f"{satin} {scene} {side}x{side} {options}: exit {done.returncode}: "
                                f"{done.stderr.strip()}")

@@ -2,6 +2,7 @@
 // OpenEXR files written: read back bit by bit, the same bytes for any number of threads, whole or
 // absent.
 #include <math.h>
+#include <openexr.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -81,6 +82,77 @@ static void threads_do_not_change_the_bytes_of_a_file(void **state) {
     unlink("threads.exr");
 }
 
+static float half_error(float x, float read) { return fabsf(read - x) / fmaxf(fabsf(x), 0x1p-14f); }
+
+// Colours have half floats, rounded to nearest; other channels, and colours that half floats cannot
+// hold, are exact.
+static void colours_are_half_floats_where_these_serve(void **state) {
+    (void)state;
+    static const satin_exr_compression all[] = {SATIN_EXR_ZIP, SATIN_EXR_ZIPS, SATIN_EXR_PIZ,
+                                                SATIN_EXR_RLE, SATIN_EXR_NONE};
+    struct satin_film *film = film_exr_write_noisy(37, 90);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        const satin_exr_format format = {.compression = all[i]};
+        struct satin_film *back = NULL;
+        assert_int_equal(satin_film_write_exr_as(film, "half.exr", &format, NULL, NULL), SATIN_OK);
+        assert_int_equal(satin_film_read("half.exr", NULL, NULL, &back), SATIN_OK);
+        float worst = 0.0f;
+        for (int k = 0; k < 37 * 90; k++)
+            worst = fmaxf(worst, half_error(film->channel[1][k], satin_film_channel(back, "G")[k]));
+        assert_true(worst <= 0x1p-11f && worst > 0x1p-13f);
+        assert_memory_equal(satin_film_channel(back, "depth.Z"), film->channel[4], 37 * 90 * 4);
+        satin_film_free(back);
+    }
+    // One value of one channel decides for its layer alone.
+    film->channel[2][5] = 1e6f;
+    struct satin_film *back = NULL;
+    assert_int_equal(satin_film_write_exr_as(film, "half.exr", NULL, NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_film_read("half.exr", NULL, NULL, &back), SATIN_OK);
+    assert_memory_equal(satin_film_channel(back, "R"), film->channel[0], 37 * 90 * 4);
+    assert_memory_equal(satin_film_channel(back, "B"), film->channel[2], 37 * 90 * 4);
+    assert_true(satin_film_channel(back, "direct.R")[0] != film->channel[3][0]);
+    satin_film_free(back);
+    // Dark images keep their precision.
+    for (int k = 0; k < 37 * 90; k++) film->channel[3][k] *= 1e-7f;
+    assert_int_equal(satin_film_write_exr_as(film, "half.exr", NULL, NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_film_read("half.exr", NULL, NULL, &back), SATIN_OK);
+    assert_memory_equal(satin_film_channel(back, "direct.R"), film->channel[3], 37 * 90 * 4);
+    satin_film_free(back);
+    const satin_exr_format wrong = {.compression = (satin_exr_compression)9};
+    assert_int_equal(satin_film_write_exr_as(film, "wrong.exr", &wrong, NULL, NULL),
+                     SATIN_ERROR_ARGUMENT);
+    satin_film_free(film);
+    unlink("half.exr");
+}
+
+// The header says which primaries the colours have, and how the camera maps points to the image.
+static void the_header_describes_colours_and_camera(void **state) {
+    (void)state;
+    struct satin_film *film = film_exr_write_noisy(4, 4);
+    film->camera.known = true;
+    for (int i = 0; i < 16; i++) {
+        film->camera.to_camera[i] = (float)i;
+        film->camera.to_ndc[i] = (float)(100 + i);
+    }
+    assert_int_equal(satin_film_write_exr(film, "header.exr", NULL, NULL), SATIN_OK);
+    exr_context_t exr;
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    assert_int_equal(exr_start_read(&exr, "header.exr", &init), EXR_ERR_SUCCESS);
+    exr_attr_chromaticities_t primaries;
+    exr_attr_m44f_t matrix;
+    assert_int_equal(exr_attr_get_chromaticities(exr, 0, "chromaticities", &primaries),
+                     EXR_ERR_SUCCESS);
+    assert_true(primaries.red_x == 0.64f && primaries.green_y == 0.60f &&
+                primaries.white_x == 0.3127f && primaries.white_y == 0.3290f);
+    assert_int_equal(exr_attr_get_m44f(exr, 0, "worldToCamera", &matrix), EXR_ERR_SUCCESS);
+    assert_true(matrix.m[0] == 0.0f && matrix.m[13] == 13.0f);
+    assert_int_equal(exr_attr_get_m44f(exr, 0, "worldToNDC", &matrix), EXR_ERR_SUCCESS);
+    assert_true(matrix.m[0] == 100.0f && matrix.m[15] == 115.0f);
+    exr_finish(&exr);
+    satin_film_free(film);
+    unlink("header.exr");
+}
+
 static void the_window_of_a_crop_is_kept(void **state) {
     (void)state;
     struct satin_film *film = film_exr_write_noisy(9, 40), *back = NULL;
@@ -152,6 +224,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(writing_and_reading_return_the_same),
         cmocka_unit_test(threads_do_not_change_the_bytes_of_a_file),
+        cmocka_unit_test(colours_are_half_floats_where_these_serve),
+        cmocka_unit_test(the_header_describes_colours_and_camera),
         cmocka_unit_test(the_window_of_a_crop_is_kept),
         cmocka_unit_test(values_that_are_not_finite_become_zero),
         cmocka_unit_test(a_failure_leaves_no_file),

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "film/film.h"
+#include "scene/scene.h"
 
 enum { STAGES_MAX = 8, OPTIONS_MAX = 8 };
 
@@ -170,12 +171,35 @@ static void rounds_go_on_to_half_a_pixel(void **state) {
     satin_film_free(film);
 }
 
+// A point of an eye ray is, by the film's matrix, at the film position of the ray.
+static void the_matrix_of_the_film_is_that_of_its_rays(void **state) {
+    (void)state;
+    struct watch watch = {0};
+    satin_film *film;
+    const satin_setting direct[] = {{"integrator", "direct"}, {"spp", "1"}, {NULL, NULL}};
+    assert_int_equal(render_box(&watch, direct, &film), SATIN_OK);
+    assert_true(film->camera.known);
+    satin_scene shifted = *test_render_scene;  // whose film has the size of the scene file
+    for (int i = 0; i < 5; i++) {
+        const float s = 0.1f + 0.2f * (float)i, t = 0.9f - 0.15f * (float)i;
+        const struct ray ray = camera_ray(&shifted, s * (float)shifted.film.width,
+                                          t * (float)shifted.film.height, 0.5f, 0.5f, NULL);
+        const vec3 point = v3_mad(ray.o, 0.5f + (float)i, ray.d);
+        const float row[4] = {point.x, point.y, point.z, 1.0f};
+        float out[4] = {0};
+        for (int k = 0; k < 16; k++) out[k % 4] += row[k / 4] * film->camera.to_ndc[k];
+        assert_true(fabsf(out[0] / out[3] - s) < 1e-5f && fabsf(out[1] / out[3] - t) < 1e-5f);
+    }
+    satin_film_free(film);
+}
+
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stages_come_in_their_order),
         cmocka_unit_test(a_cancelled_render_has_an_image),
         cmocka_unit_test(a_cancelled_image_is_what_was_sampled),
         cmocka_unit_test(paths_replace_photons_without_time),
+        cmocka_unit_test(the_matrix_of_the_film_is_that_of_its_rays),
         cmocka_unit_test(rounds_go_on_to_half_a_pixel),
     };
     if (argc != 2 ||

@@ -82,10 +82,12 @@ static void options_and_scenes_add_channels(void **state) {
     (void)state;
     satin_options o = satin_options_default;
     struct scene_aov channel[] = {{.name = "depth.Z"}, {.name = "normals.X", .value = 1}};
-    const struct scene_aovs aovs = {.channel = channel, .count = 2, .values = 2};
-    struct satin_film *plain = render_film_new(WIDTH, HEIGHT, &aovs, &o);
+    const struct satin_scene scene = {
+        .film = {WIDTH, HEIGHT, .crop_width = WIDTH, .crop_height = HEIGHT},
+        .hints.aovs = {.channel = channel, .count = 2, .values = 2}};
+    struct satin_film *plain = render_film_new(&scene, &o);
     o.record_maps = o.denoise = true;
-    struct satin_film *all = render_film_new(WIDTH, HEIGHT, &aovs, &o);
+    struct satin_film *all = render_film_new(&scene, &o);
     assert_int_equal(all->channel_count, plain->channel_count + 4 + 6);
     assert_true(film_channel(all, "records.rays") && film_channel(all, "uncached.B"));
     assert_non_null(film_channel(plain, "normals.X"));
