@@ -21,8 +21,9 @@ struct app_render_request {
     char *png_beside;  // name of a PNG that was asked for without a name; owned
 };
 
-// Reads the arguments after `render`. `define` and `setting` have space for as many entries as
-// there are arguments, `setting` for four times as many. Reports an error and returns APP_WRONG.
+// Reads the arguments after `render` (app_render_args.c). `define` and `setting` have space for as
+// many entries as there are arguments, `setting` for four times as many. Reports an error and
+// returns APP_WRONG.
 int app_render_read(int argc, char **argv, struct app_render_request *r);
 
 #endif

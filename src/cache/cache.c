@@ -89,6 +89,10 @@ size_t cache_count(const struct cache *cache, enum cache_kind kind) {
     return cache->store[kind].tree.head_count;
 }
 
+size_t cache_count_all(const struct cache *cache) {
+    return cache_count(cache, CACHE_IRRADIANCE) + cache_count(cache, CACHE_RADIANCE);
+}
+
 void cache_record(const struct cache *cache, enum cache_kind kind, size_t i, vec3 *p, vec3 *n,
                   float *R) {
     const struct cache_head *head = &cache->store[kind].tree.head[i];

@@ -210,6 +210,7 @@ void cache_file_record(const struct cache_file *file, enum cache_kind kind, size
 // ---- Counts, for statistics and the density layer -----------------------------------------------
 
 size_t cache_count(const struct cache *cache, enum cache_kind kind);
+size_t cache_count_all(const struct cache *cache);  // of both kinds
 // The number of gather rays of all records.
 uint64_t cache_rays(const struct cache *cache);
 // Position, normal and R of record i of a kind, in the order in which records were made.

@@ -5,10 +5,6 @@
 // of Radiance does; for points in such a sector a ray is traced.
 #include "cache/cache_records.h"
 
-// The ray is above both of its ends by this fraction of its length, so that a curved surface does
-// not occlude its own points.
-static const float LIFT = 0.1f;
-
 // The sector of the direction d about n.
 static int sector_of(const struct cache_head *h, vec3 d) {
     float x = v3_dot(d, h->u), y = v3_dot(d, v3_cross(h->n, h->u));
@@ -21,7 +17,7 @@ bool cache_leaks(const struct cache *cache, const struct cache_head *h, vec3 p) 
     vec3 d = v3_sub(p, h->p);
     float length = v3_len(d);
     if (!(length > h->clear) || !(h->near_sectors >> sector_of(h, d) & 1u)) return false;
-    vec3 lift = v3_mul(h->n, LIFT * length), from = v3_add(h->p, lift), to = v3_add(p, lift);
+    vec3 lift = v3_mul(h->n, SCENE_LIFT * length), from = v3_add(h->p, lift), to = v3_add(p, lift);
     struct ray ray = scene_spawn_to(cache->scene, from, h->n, to, v3(0, 0, 0));
     return scene_occluded(cache->scene, &ray);
 }

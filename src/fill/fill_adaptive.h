@@ -44,6 +44,7 @@ struct fill_adaptation {
                                       // before shrinking
 };
 
+// ---- fill_evaluate.c
 // Removes contributions of records that were shrunk and no longer cover the point, and sets `bare`.
 void fill_update_point(const struct fill_adaptation *c, const struct fill_site *site,
                        struct fill_point *point);

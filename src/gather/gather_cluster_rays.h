@@ -19,8 +19,4 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
 void gather_cluster_rays_weights(const struct gather_cluster_rays *clusters,
                                  struct gather_hemisphere *h);
 
-// The least roughness of lobes that the rays of a site hit, from the solid angle that a ray
-// represents (gather_hemisphere.c).
-float gather_alpha_least(const struct gather_site *site, float spread);
-
 #endif

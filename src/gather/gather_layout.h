@@ -27,9 +27,12 @@ struct gather_layout {
     float *row_u, *row_v;    // M * order^2: the factors in theta, including weights
 };
 
+// ---- gather_hemisphere.c
 // The hemisphere holds the stratified rays of a layout about frame.n from now on, which the caller
-// fills (gather_hemisphere.c).
+// fills.
 void gather_hemisphere_begin(struct gather_hemisphere *h, const struct gather_layout *layout,
                              const struct frame *frame);
+// The least roughness of lobes that the rays of a site hit, from the width over distance of a ray.
+float gather_alpha_least(const struct gather_site *site, float spread);
 
 #endif

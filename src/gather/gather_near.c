@@ -14,6 +14,10 @@ static const float GUIDED = 0.5f;
 // Clusters that contribute less than this fraction of the light at y get no bounces.
 static const float NEAR_FAINT = 0.002f;
 
+// Single rays go to clusters only if without them they add more than this to the variance of one
+// ray over the squared mean, which for other light is about 1.
+static const float VARIANCE_LEAST = 0.02f;
+
 // A cluster that is not visible from any probe may be visible from other hits: its least weight,
 // over that of one visible from all.
 static const float VISIBLE_LEAST = 0.05f;
@@ -30,40 +34,44 @@ static bool is_near(const struct gather_hits *hits, size_t i) {
 }
 
 // Selects hits distributed uniformly over the near ones, and returns their number.
-static int choose_probes(const struct gather_hits *hits, size_t all, size_t probe[GUIDE_PROBES]) {
+static int choose_probes(const struct gather_hits *hits, size_t all,
+                         struct gather_probe probe[GUIDE_PROBES]) {
     size_t nears = 0, at = 0;
     int count = 0;
     for (size_t i = 0; i < all; i++) nears += is_near(hits, i);
     for (size_t i = 0; i < all && count < GUIDE_PROBES; i++) {
         if (!is_near(hits, i)) continue;
-        if (at++ * GUIDE_PROBES >= (size_t)count * nears) probe[count++] = i;
+        if (at++ * GUIDE_PROBES < (size_t)count * nears) continue;
+        const struct shading_point *y = &hits->hit[i].point;
+        probe[count++] =
+            (struct gather_probe){{y->interaction.p, y->frame.n, y->ng}, rgb_luminance(hits->E[i])};
     }
     return count;
 }
 
-// The fraction of the probes from which the cone's cluster is visible, among those to which it
-// contributes; 0 if there are none.
-static float probe_cone(const struct gather *g, const struct gather_hits *hits, const size_t *probe,
-                        int probes, bool single, struct guide_cone cone) {
-    int matters = 0, clear = 0;
+// Whether a cluster contributes enough at a point that its cone was moved to.
+static bool cluster_matters(const struct guide_cone *cone, float rest, bool single) {
+    return single ? sqrf(cone->E) > VARIANCE_LEAST * cone->chance * sqrf(cone->E + rest)
+                  : cone->E > NEAR_FAINT * (cone->E + rest);
+}
+
+float gather_visible_fraction(const struct gather *g, const struct gather_probe *probe, int probes,
+                              bool single, struct guide_cone cone) {
+    int matters = 0, unoccluded = 0;
     for (int i = 0; i < probes; i++) {
-        const struct shading_point *y = &hits->hit[probe[i]].point;
-        const float rest = rgb_luminance(hits->E[probe[i]]);
-        if (!guide_cone_move(&cone, y->interaction.p, y->frame.n)) continue;
-        if (single ? !gather_cluster_matters(&cone, rest)
-                   : !(cone.E > NEAR_FAINT * (cone.E + rest)))
-            continue;
-        const struct guide_point at = {y->interaction.p, y->frame.n, y->ng};
-        clear += guide_cone_visible(g->clusters, g->scene, &cone, &at, (size_t)i);
+        const struct guide_point *at = &probe[i].at;
+        if (!guide_cone_move(&cone, at->p, at->n)) continue;
+        if (!cluster_matters(&cone, probe[i].rest, single)) continue;
+        unoccluded += guide_cone_visible(g->clusters, g->scene, &cone, at, (size_t)i);
         matters++;
     }
-    return matters ? fmaxf((float)clear / (float)matters, VISIBLE_LEAST) : 0.0f;
+    return matters ? fmaxf((float)unoccluded / (float)matters, VISIBLE_LEAST) : 0.0f;
 }
 
 void gather_near_probe(const struct gather *g, const struct gather_hits *hits, size_t count,
                        struct gather_near *near) {
     struct gather_cones *cones = &near->cones;
-    size_t probe[GUIDE_PROBES];
+    struct gather_probe probe[GUIDE_PROBES];
     if (!g->options->gather_near || (near->single && near->state == NEAR_PROBED) ||
         (near->state != NEAR_NOT_SEARCHED && near->found == 0))
         return;
@@ -75,7 +83,7 @@ void gather_near_probe(const struct gather *g, const struct gather_hits *hits, s
     cones->count = 0;
     for (int c = 0; c < near->found; c++) {
         const struct guide_cone cone = cones->cone[c];
-        const float visible = probe_cone(g, hits, probe, probes, near->single, cone);
+        const float visible = gather_visible_fraction(g, probe, probes, near->single, cone);
         if (!(visible > 0.0f)) continue;
         cones->cone[c] = cones->cone[cones->count];
         cones->cone[cones->count] = cone;

@@ -54,6 +54,17 @@ struct gather_near {
                                 // contribute follow
 };
 
+// A point from which the visibility of clusters is tested, and the irradiance there by other light.
+struct gather_probe {
+    struct guide_point at;
+    float rest;  // [W m^-2]
+};
+// The fraction of the GUIDE_PROBES or fewer probes from which the cone's cluster is visible, among
+// those to which it contributes; 0 if there are none. For `single` rays the least contribution is
+// larger.
+float gather_visible_fraction(const struct gather *g, const struct gather_probe *probe, int probes,
+                              bool single, struct guide_cone cone);
+
 // Finds the clusters around the site of `near` that contribute to those of the first `count` hits
 // that are near it. Changes nothing if no hit is near, or if the clusters are those of earlier
 // hits. E and radius of the hits must be known.
@@ -71,10 +82,7 @@ bool gather_near_bounce(const struct gather_cones *cones, const struct shading_p
 bool gather_near_sample(const struct gather_cones *cones, const struct shading_point *p,
                         unsigned lobes, float E, float u_lobe, vec2 u, struct brdf_sample *out);
 
-// Whether single rays are guided to a cone's cluster from a point that it was moved to, where the
-// irradiance by other light is `rest` (gather_single.c).
-bool gather_cluster_matters(const struct guide_cone *cone, float rest);
-
+// ---- gather_ray.c
 // As gather_rays, with guided bounces from hits near the site of `near`, which hits complete (see
 // gather_near_probe); NULL: no bounces are guided.
 void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,

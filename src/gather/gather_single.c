@@ -8,14 +8,6 @@
 
 #include "gather/gather_near.h"
 
-// Clusters get rays only if without them they add more than this to the variance of one ray over
-// the squared mean, which for other light is about 1.
-static const float VARIANCE_LEAST = 0.02f;
-
-// A cluster that is not visible from the first point may be visible from others near it: its least
-// weight, over that of one that is wholly visible.
-static const float SINGLE_VISIBLE_LEAST = 0.05f;
-
 // Points within this many pixels have their clusters in common, if the angle between their normals
 // is small. What is visible differs little between them, and cones are moved to each point.
 static const float COMMON_PIXELS = 4.0f, COMMON_COSINE = 0.95f;
@@ -42,21 +34,6 @@ void gather_singles_free(struct gather_singles *singles) { free(singles); }
 
 void gather_singles_begin(struct gather_singles *singles) { singles->count = singles->next = 0; }
 
-bool gather_cluster_matters(const struct guide_cone *cone, float rest) {
-    return sqrf(cone->E) > VARIANCE_LEAST * cone->chance * sqrf(cone->E + rest);
-}
-
-// The fraction of the cone's cluster that is visible from the point; 0 if it gets no rays.
-static float visible_fraction(const struct gather *g, struct guide_cone cone,
-                              const struct guide_point *at, float expected) {
-    int clear = 0;
-    if (!guide_cone_move(&cone, at->p, at->n) || !gather_cluster_matters(&cone, expected))
-        return 0.0f;
-    for (size_t i = 0; i < GUIDE_PROBES; i++)
-        clear += guide_cone_visible(g->clusters, g->scene, &cone, at, i);
-    return fmaxf((float)clear / GUIDE_PROBES, SINGLE_VISIBLE_LEAST);
-}
-
 static void find_clusters(const struct gather *g, const struct shading_point *p,
                           struct gather_single_clusters *out) {
     const struct guide_point at = {p->interaction.p, p->frame.n, p->ng};
@@ -74,9 +51,11 @@ static void find_clusters(const struct gather *g, const struct shading_point *p,
     near->expected =
         rgb_luminance(photon_irradiance(g->maps, g->scene, at.p, at.ng, &radius, NULL));
     const struct guide_cone *cone = near->cones.cone;
+    struct gather_probe probe[GUIDE_PROBES];
+    for (int i = 0; i < GUIDE_PROBES; i++) probe[i] = (struct gather_probe){at, near->expected};
     near->found = guide_cones_around(g->clusters, at.p, near->expected, near->cones.cone);
     for (int c = 0; c < near->found; c++) {
-        const float visible = visible_fraction(g, cone[c], &at, near->expected);
+        const float visible = gather_visible_fraction(g, probe, GUIDE_PROBES, true, cone[c]);
         if (!(visible > 0.0f)) continue;
         to->cone[to->count] = cone[c];
         to->visible[to->count++] = visible;

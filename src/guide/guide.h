@@ -35,12 +35,6 @@ bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng
 // Aims at those boxes that are small compared to `all`, the box of everything that can be hit.
 void guide_view_aim(const struct guide_view *view, struct light_target all, struct light_aim *out);
 
-// Whether a shape, which must not be an instance, has an ideal specular lobe.
-static inline bool shape_has_delta(const struct satin_scene *scene, uint32_t shape) {
-    const struct shape *s = &scene->shape[shape];
-    return material_lobes(&scene->material[s->material], s->light >= 0) & BRDF_DELTA;
-}
-
 // ---- Paths of lights (guide_allocation.c) -----------------------------------------------------
 
 // The allocation of the paths of a pass to the lights.

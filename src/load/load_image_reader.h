@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: the interface of image readers, which are libpng and the module on OpenImageIO.
+// Private to load/: the interface of image readers, which are libpng (load_image_png.c)
+// and the module on OpenImageIO.
 // load_image.c opens the module on first use: if OpenImageIO were linked, every start would take
 // 138 ms and 120 MB more.
 #ifndef LOAD_IMAGE_READER_H

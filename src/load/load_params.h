@@ -114,6 +114,7 @@ const struct param_value *param(const struct params *params, const char *name);
 struct xml_node *params_child(const struct load_xml *xml, const struct xml_node *node,
                               enum xml_tag tag, struct xml_node **after);
 
+// ---- load_values.c
 // Read values from text; each logs an error at `place`. Numbers are finite; lists are separated by
 // blanks or commas.
 bool param_numbers(struct log log, struct log_place place, const char *text, int count,

@@ -100,6 +100,7 @@ satin_status load_xml_read(struct log log, const char *path, bool stream,
                            struct load_xml *out);
 void load_xml_free(struct load_xml *xml);
 
+// ---- load_path.c
 // The path of a file that the element at `place` names: relative to the file of that place, to the
 // folders of <path> (the last one first), or to the main file. If there is no such file, it is the
 // first of these. From malloc, the caller frees it; NULL if there is no memory.
@@ -113,6 +114,11 @@ char *load_path_any_case(const char *path);
 // Adds the folder of a <path>. SATIN_ERROR_MEMORY is not logged.
 satin_status load_path_add(struct load_xml *xml, struct log log, const struct xml_node *node);
 
+// ---- load_ids.c
+// Adds an id to the table. SATIN_ERROR_MEMORY is not logged.
+satin_status load_ids_add(struct load_xml *xml, struct xml_id id);
+// Sorts the table, refuses duplicates and resolves aliases.
+satin_status load_ids_resolve(struct load_xml *xml, struct log log);
 // The object with that id, or NULL.
 struct xml_node *load_xml_find(const struct load_xml *xml, const char *id);
 // The object to which a <ref> refers, or the node itself if it is not a <ref>. If there is no such
@@ -128,6 +134,7 @@ static inline void xml_append(struct xml_node *parent, struct xml_node *child) {
     parent->last = child;
 }
 
+// ---- load_tags.c
 const char *xml_tag_name(enum xml_tag tag);
 // The value of an attribute, or NULL.
 const char *xml_get(const struct xml_node *node, const char *attribute);
@@ -145,10 +152,5 @@ enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *na
 bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root);
 // Whether a version, an attribute of the root element, has the names of version 0.6.
 bool xml_version_mitsuba06(const char *version);
-
-// Adds an id to the table. SATIN_ERROR_MEMORY is not logged.
-satin_status load_ids_add(struct load_xml *xml, struct xml_id id);
-// Sorts the table, refuses duplicates and resolves aliases.
-satin_status load_ids_resolve(struct load_xml *xml, struct log log);
 
 #endif

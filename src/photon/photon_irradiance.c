@@ -37,8 +37,6 @@ enum {
 // The nearest of randomly distributed entries is farther than the root of FADE / (pi density) at
 // one in e^FADE positions. Where it is farther, no light arrived, and the entry's irradiance fades.
 #define FADE 6.0f
-// The height of the end of a ray towards an entry above the surface, over the length of the ray.
-#define LIFT 0.1f
 #define CLEARING 2.5f  // radius of a clearing over that of a disc
 
 struct precompute_job {
@@ -270,7 +268,7 @@ static bool ray_to_position(vec3 position, const struct satin_scene *scene, vec3
     float distance = v3_len(d);
     if (!(distance > 0.0f)) return false;
     *out = scene_spawn(scene, p, n, n);
-    out->o = v3_mad(out->o, LIFT * distance, n);
+    out->o = v3_mad(out->o, SCENE_LIFT * distance, n);
     out->d = v3_mul(d, 1.0f / distance);
     out->tfar = distance;
     return true;

@@ -48,6 +48,7 @@ double option_highest(const struct option *option);
 void option_print(const struct option *option, const satin_options *options, char *out,
                   size_t bytes);
 
+// ---- options.c
 // Prints the options as `name=value` words with a space between, in the notation of --set: all, or
 // if `chosen` is not NULL those for which it is true.
 void options_print_words(FILE *out, const satin_options *options, bool (*chosen)(const char *name));

@@ -122,8 +122,7 @@ satin_status render_bounces(struct render *r) {
     }
     size_t records = 0;
     for (int i = 0; i < r->second_pass.bounce_count && r->second_pass.bounces[i].cache; i++)
-        records += cache_count(r->second_pass.bounces[i].cache, CACHE_IRRADIANCE) +
-                   cache_count(r->second_pass.bounces[i].cache, CACHE_RADIANCE);
+        records += cache_count_all(r->second_pass.bounces[i].cache);
     stats_set(&r->stats, "records.bounces", (double)records);
     free(walks.site);
     free(walks.found);

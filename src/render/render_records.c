@@ -16,8 +16,7 @@ struct record_rounds {
 };
 
 static double count_records(const struct render *r) {
-    return (double)(cache_count(r->second_pass.cache, CACHE_IRRADIANCE) +
-                    cache_count(r->second_pass.cache, CACHE_RADIANCE));
+    return (double)cache_count_all(r->second_pass.cache);
 }
 
 // Fills all levels at `widen` times a; the loops are the range [done, done + span] of the stage. If

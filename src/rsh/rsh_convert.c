@@ -4,12 +4,9 @@
 // the low row for m = 0 .. 7, and for bands from 8 on also the high row for m = 8 .. 15.
 #include <stddef.h>
 
+#include "rsh/rsh_inline.h"
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_rotate_lanes.h"
-
-#define GLUE2(a, b) a##b
-#define GLUE(a, b) GLUE2(a, b)
-#define INLINE static inline __attribute__((always_inline))
 
 // Outputs computed at once; they load the same inputs.
 enum { CONVERT_BLOCK = 4 };

@@ -80,6 +80,7 @@ extern const struct rsh_kernels rsh_kernels_sse2, rsh_kernels_avx2, rsh_kernels_
 extern const struct rsh_kernels rsh_kernels_native;
 #endif
 
+// ---- rsh_dispatch.c
 // The tables that this processor can run, best first, ended by NULL.
 const struct rsh_kernels *const *rsh_kernels_usable(void);
 // The best of them, which the first call determines.
@@ -92,6 +93,7 @@ static inline bool rsh_basis_ok(rsh_basis basis) {
     return basis == RSH_SPHERE || basis == RSH_HEMISPHERE;
 }
 
+// ---- rsh_rotate.c
 // The rotations about z, y and z whose product is the matrix r, in row-major order. Their method is
 // RSH_METHOD_Z if a rotation about z is enough.
 struct rsh_rotation rsh_rotation_of_matrix(const float r[9]);
@@ -108,6 +110,7 @@ bool rsh_method_of_taylor(rsh_taylor kind, enum rsh_method *method);
 bool rsh_in_range(const float *v, int count);
 void rsh_copy(int order, int channels, const float *in, float *out);
 
+// ---- rsh_plain.c
 // The plain functions, for instruction sets that cannot permute lanes.
 void rsh_plain_rotate(const struct rsh_rotation *rotation, int order, int channels, const float *in,
                       float *out);

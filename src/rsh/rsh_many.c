@@ -6,9 +6,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "rsh/rsh_inline.h"
 #include "rsh/rsh_kernel.h"
-
-#define INLINE static inline __attribute__((always_inline))
 
 // Channels that are rotated at once, as many as the kernels process together.
 enum { BLOCK = 3, SCRATCH = BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };

@@ -5,12 +5,9 @@
 // once for all channels.
 #include "rsh/rsh_rotate_lanes.h"
 
+#include "rsh/rsh_inline.h"
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_tables.h"
-
-#define GLUE2(a, b) a##b
-#define GLUE(a, b) GLUE2(a, b)
-#define INLINE static inline __attribute__((always_inline))
 
 // Channels that are rotated at once, as many as the registers hold. They load the same tables.
 #if defined(__AVX512F__)

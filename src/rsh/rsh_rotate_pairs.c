@@ -7,13 +7,10 @@
 // The time is limited by loads, of which the processor does one vector per cycle, and by latency.
 // Therefore both vectors are rotated side by side, and indices that are used twice are held in
 // registers. The factors are not, because other values would be spilled to the stack.
+#include "rsh/rsh_inline.h"
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_rotate_lanes.h"
 #include "rsh/rsh_tables.h"
-
-#define GLUE2(a, b) a##b
-#define GLUE(a, b) GLUE2(a, b)
-#define INLINE static inline __attribute__((always_inline))
 
 // Group 0 is for orders up to 4, group 1 for orders 5 and 6.
 #define VECTORS(group) (1 + (group))

@@ -7,16 +7,15 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "rsh/rsh_inline.h"
+
 #ifndef RSH_WIDTH
 #define RSH_WIDTH 4
 #define RSH_NAME native
 #endif
 
-#define GLUE2(a, b) a##b
-#define GLUE(a, b) GLUE2(a, b)
 #define TEXT2(a) #a
 #define TEXT(a) TEXT2(a)
-#define INLINE static inline __attribute__((always_inline))
 
 enum { W = RSH_WIDTH };
 

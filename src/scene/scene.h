@@ -314,7 +314,17 @@ struct satin_scene {
                                             // which is within it
 };
 
+// Whether a shape, which must not be an instance, has an ideal specular lobe.
+static inline bool shape_has_delta(const struct satin_scene *scene, uint32_t shape) {
+    const struct shape *s = &scene->shape[shape];
+    return material_lobes(&scene->material[s->material], s->light >= 0) & BRDF_DELTA;
+}
+
 // ---- Rays (scene_trace.c) -----------------------------------------------------------------------
+
+// The height above a surface of a ray between two of its points, over its length, so that a curved
+// surface does not occlude its own points.
+#define SCENE_LIFT 0.1f
 
 // Embree drops triangles with coordinates beyond 1.8e18, and aborts the process on rays that begin
 // there. Therefore neither is passed to Embree beyond this limit.

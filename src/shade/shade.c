@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "shade/shade_aov.h"
-#include "shade/shade_indirect.h"
+#include "shade/shade_two_pass.h"
 
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct cache_tables *tables, const struct cache *cache,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The second pass at one point [K05 3.5]: the light that a point reflects, with each class of the
 // path table once, and its lobes by the techniques of cache_plan.c.
-#include "shade/shade_indirect.h"
+#include "shade/shade_two_pass.h"
+
 #include "shade/shade_pixel_cache.h"
 
 // A point without records, as in a sliver along an edge, uses the nearest record within this many
@@ -45,14 +46,21 @@ static void gather_diffuse(struct shade_job *job) {
     add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), E));
 }
 
+// What is asked of the records at the vertex.
+static struct cache_lookup records_lookup(const struct shade_job *job) {
+    const struct shade_vertex *v = job->vertex;
+    struct cache_lookup at = cache_lookup_at(&v->point, FALLBACK_PIXELS * v->pixel);
+    at.gather_deviation = job->shade->missing.deviation;
+    return at;
+}
+
 // Adds indirect light from irradiance records. False if none is near.
 static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *value) {
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
     if (!s->interpolates) return false;
     if (!value->has_irradiance) {
-        struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
-        at.gather_deviation = s->missing.deviation;
+        const struct cache_lookup at = records_lookup(job);
         rgb E;
         value->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
         if (!value->used.count) return false;
@@ -72,8 +80,7 @@ static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!s->interpolates) return false;
     if (!value->has_radiance) {
-        struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
-        at.gather_deviation = s->missing.deviation;
+        const struct cache_lookup at = records_lookup(job);
         value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
         if (!value->used.count) return false;
         value->has_radiance = true;

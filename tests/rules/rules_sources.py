@@ -27,6 +27,8 @@ LONG_FILES = {}
 AIM_FUNCTION, MAX_FUNCTION = 60, 80
 FOLDERS = ["src", "include", "data", "tests", "bench", "docs"]
 CODE = {".c", ".h", ".cpp"}
+DECLARED = re.compile(r"^(?!static|typedef|#|return)\w[\w \*\n]*?\b(\w+)\([^;{}]*\);", re.MULTILINE)
+DEFINED = re.compile(r"^(?!static|typedef)\w[\w \*\n]*?\b(\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
 MACHINE_PATH = re.compile(r"(?<![\w.$}])/(?:home|root|work|Users|mnt)/[\w.]")
 
 
@@ -120,9 +122,40 @@ def check_names(tree):
             yield path, "no source has this test's name"
 
 
+def declared(path):
+    """The functions that a header declares, and its comments."""
+    text = path.read_text(encoding="utf-8")
+    comments = "\n".join(re.findall(r"//[^\n]*", text))
+    return DECLARED.findall(re.sub(r"//[^\n]*", "", text)), comments
+
+
+def check_headers(tree):
+    """A private header has the name of the source that defines what it declares, or its comments
+    name the sources that do. Only headers for functions of several sources, whose name no source
+    has, need not."""
+    defines = collections.defaultdict(set)
+    sources = [p for p in (tree / "src").rglob("*") if p.suffix in CODE - {".h"}]
+    for path in sources:
+        text = re.sub(r"//[^\n]*", "", path.read_text(encoding="utf-8"))
+        for name in DEFINED.findall(text):
+            defines[name].add(path.name)
+    stems = {p.stem for p in sources}
+    for path in sorted((tree / "src").rglob("*.h")):
+        names, comments = declared(path)
+        found = {name: defines[name] for name in names if name in defines}
+        if path.stem == path.parent.name or not found:
+            continue
+        where = set.union(*found.values())
+        if path.stem not in stems and len(where) == 1 and min(where) not in comments:
+            yield path, f"what it declares is all defined in {min(where)}"
+        for name, files in found.items() if path.stem in stems else []:
+            if not any(pathlib.Path(x).stem == path.stem or x in comments for x in files):
+                yield path, f"{name} is defined in {min(files)}, which no comment names"
+
+
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
-    wrong = [(p, 1, what) for p, what in check_names(tree)]
+    wrong = [(p, 1, what) for p, what in [*check_names(tree), *check_headers(tree)]]
     wrong += [(tree / name, 1, "the top level has no place for it")
               for name in sorted(kept_at_top(tree) - TOP) if not name.startswith(".")]
     warnings = []

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to shade/: light at one vertex.
-#ifndef SHADE_INDIRECT_H
-#define SHADE_INDIRECT_H
+#ifndef SHADE_TWO_PASS_H
+#define SHADE_TWO_PASS_H
 
 #include "shade/shade_eye.h"
 
