@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that the values of a record are finite and in range when it is made or read from a file. A
-// record that fails is refused and counted, and its site is gathered again (fill.c).
+// new record that fails is refused and counted, and its site is gathered again (fill_batch.c). A
+// file with a record that fails is refused as a whole (cache_file_read.c).
 #include "cache/cache_records.h"
 
 bool cache_valid_numbers(const float *value, size_t count) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that the values of a new record are finite and in range. A record that fails is refused
-// and counted, and its site is gathered again (fill.c).
+// and counted, and its site is gathered again (fill_batch.c).
 #include "fill/fill_record.h"
 
 // Distances may be infinite, where nothing was hit.

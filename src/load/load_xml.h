@@ -49,9 +49,10 @@ enum xml_tag {
     XML_LOOKAT,
     XML_MATRIX,
     XML_REF,
-    XML_ALIAS,    // these four
-    XML_DEFAULT,  // are not in
-    XML_INCLUDE,  // the tree
+    // The next four are not in the tree.
+    XML_ALIAS,
+    XML_DEFAULT,
+    XML_INCLUDE,
     XML_PATH,
     XML_TAG_COUNT
 };

@@ -11,7 +11,7 @@ enum {
     PHOTON_K_MAX = 10000,  // largest number of photons of a density estimate, the limit of
                            // options->photon_k
     PHOTON_STRIDE = 8,     // irradiance is precomputed at every 8th photon of the sorted global map
-    PHOTON_CAUSTIC_STRIDE = 1  // and for caustics at every photon of their map
+    PHOTON_CAUSTIC_STRIDE = 1  // that of caustics is precomputed at every photon of their map
 };
 
 // ---- Photons ------------------------------------------------------------------------------------

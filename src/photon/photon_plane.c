@@ -7,7 +7,7 @@
 #include "photon/photon_caustic_smooth.h"
 
 enum {
-    PLANE_NEIGHBOURS = 24,  // largest number of neighbours of a site,
+    PLANE_NEIGHBOURS = 24,  // largest number of neighbours of a site
     FIT_LEAST = 8,          // least number of neighbours that must be visible from a site for a fit
     MIXED = 5               // sites from which a value is read; the farthest has no weight
 };

@@ -30,8 +30,8 @@ enum render_course {
     COURSE_SHORT_PATHS,  // as two passes, but paths are so short that there is no indirect light
     COURSE_PHOTONS,      // photons are seen directly
     COURSE_DIRECT,       // direct light alone
-    COURSE_PATHS,        // path tracing
-    // From COURSE_TWO_PASS, by a time limit: to COURSE_PATHS, if there is no time for photons, or
+    COURSE_PATHS,        // path tracing, also if there is no time for photons
+    // From COURSE_TWO_PASS, by a time limit, which may also lead to COURSE_PATHS:
     COURSE_WITHOUT_RECORDS,  // every sample gathers, as there is no time for records
     // From any course, if the caller cancels before the image has its first samples:
     COURSE_COARSE,        // a coarse image with the records so far

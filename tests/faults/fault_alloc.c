@@ -31,7 +31,7 @@ void *__libc_realloc(void *old, size_t bytes);
 void *__libc_memalign(size_t alignment, size_t bytes);
 
 enum {
-    RAW = 36,     // frames that are unwound to be listed,
+    RAW = 36,     // frames that are unwound to be listed
     NAMING = 20,  // frames that are unwound to name a site: fewer, for speed
     LISTED = 24,  // distinct frames that are listed
     DEPTH = 10,   // frames of these that name the site

@@ -7,9 +7,10 @@ most CALLS_MAX calls; no step calls one before it; and of two that one function 
 it names first comes first. Calls are read from the text: a function calls what its body names, and
 what is in the tables of functions that it names.
 
-The first rays of a record are at most RAY_CALLS_MAX calls below satin_render, where they are given
-to the library that traces them, and the tour names each call: the first stratified ray, the first
-probe of a photon cluster, and the visibility ray of the irradiance that the record expects.
+The first rays of a record are given to folder scene, which traces them, at most RAY_CALLS_MAX calls
+below satin_render, and the tour names each call. From there to the library that intersects there
+are a few more, in headers too, which are not read here. The rays are the first stratified ray, the
+first probe of a photon cluster, and the visibility ray of the irradiance that the record expects.
 
 Usage: rules_walk.py TREE
 """

@@ -189,6 +189,15 @@ PYTHON_SAYS = re.compile(r'"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
                  r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
                  re.MULTILINE)
+# Comments that are divided by a declaration: after code, the second one continues the first, or the
+# first one ends in the middle of a sentence.
+DIVIDED = re.compile(r"^[ \t]*[^/\s\n][^\n]*[^/\s\n][ \t]+// [^\n]*\n"
+                     r"[ \t]*[^/\s\n][^\n]*[^/\s\n][ \t]+// (and|or|but) "
+                     r"|^[ \t]*[^/\s\n][^\n]*[^/\s\n][ \t]+// [^\n]*(,)\n(?![ \t]*//)"
+                     r"|^[ \t]*// [^\n]*(, or| and|,)\n(?![ \t]*//)", re.MULTILINE)
+CUTS = ["int a;  // the site,\nint b;  // and its width", "int a;  // one of the two,\nint b;",
+        "// By a limit, or\nint a;"]
+WHOLE = ["int a;  // the site\nint b;  // its width", "int a;  // one,\n        // of two\nint b;"]
 # Two sentences of a comment without a full stop between them, also across two lines if the first is
 # not after code or a banner.
 BEGINS = ("(Whether|Returns|Sets|The|An|If|It|Its|This|These|Makes|Finds|Adds|Each|False|True|Where"
@@ -223,6 +232,9 @@ def wrong_words(path, name):
     cut = CUT.search(text) if path.suffix in CODE else None
     if cut:
         yield f"{name}: '{cut.group(1) or cut.group(2)}' begins a comment"
+    divided = DIVIDED.search(text) if path.suffix in CODE else None
+    if divided:
+        yield f"{name}: a declaration divides the comment {divided.group(0)!r}"
     left = LEFT_OVER.search(text) if path.suffix in CODE else None
     if left:
         yield f"{name}: '{left.group(1)}' begins a sentence"
@@ -295,6 +307,11 @@ def wrong_examples():
     for text in RUNS_TOGETHER:
         if not RUN_TOGETHER.search(text):
             yield f"rules_words.py does not see what is wrong with {text!r}"
+    for text in CUTS:
+        if not DIVIDED.search(text):
+            yield f"rules_words.py does not see what divides the comment {text!r}"
+    for text in filter(DIVIDED.search, WHOLE):
+        yield f"rules_words.py finds {text!r} divided"
     for text in filter(RUN_TOGETHER.search, RUNS_APART):
         yield f"rules_words.py finds {text!r} wrong"
 
