@@ -23,6 +23,7 @@ int app_compare(int argc, char **argv);
 int app_info(int argc, char **argv);
 int app_maps(int argc, char **argv);
 int app_tonemap(int argc, char **argv);
+int app_study(int argc, char **argv);
 int app_help(int argc, char **argv);
 
 // Prints text from column `indent` on, wrapped at blanks. The cursor is at column `at`.
@@ -66,6 +67,7 @@ extern const struct app_flag app_compare_flags[];
 extern const struct app_flag app_info_flags[];
 extern const struct app_flag app_maps_flags[];
 extern const struct app_flag app_tonemap_flags[];
+extern const struct app_flag app_study_flags[];
 extern const struct app_flag app_help_flags[];
 
 struct app_args {

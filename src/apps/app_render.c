@@ -73,7 +73,7 @@ static satin_status write_stats(const struct app_render_request *r, const satin_
 }
 
 static satin_status write_outputs(const struct app_render_request *r, const satin_film *film,
-                                  int threads, struct log log) {
+                                  int threads, double start, struct log log) {
     struct stats written = {.count = 0};
     satin_status status;
     if (app_ends_in(r->output, ".png")) {
@@ -85,6 +85,7 @@ static satin_status write_outputs(const struct app_render_request *r, const sati
         if (pool) stats_set_parts(&written, pool);
         parallel_free(pool);
     }
+    stats_set(&written, "time.whole_s", stats_wall() - start);
     // Each output is written, even if another one failed.
     satin_status png = SATIN_OK, json = SATIN_OK;
     if (r->png) png = satin_film_write_png(film, r->png, &r->tonemap, log.fn, log.user);
@@ -120,7 +121,7 @@ static satin_status render_scene(const struct app_render_request *r, const satin
     status = satin_render(scene, &options, &callbacks, &film);
     app_progress_end(progress);
     if (film) {
-        satin_status written = write_outputs(r, film, options.threads, file_log);
+        satin_status written = write_outputs(r, film, options.threads, start, file_log);
         if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
         if (written != SATIN_OK) status = written;
     }

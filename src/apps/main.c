@@ -16,6 +16,9 @@ const struct app_command app_commands[] = {
      app_maps},
     {"tonemap", "IMAGE.exr -o OUT.png", "Makes a picture of an image or of one of its layers.",
      app_tonemap_flags, app_tonemap},
+    {"study", "STUDY.toml -o DIR",
+     "Measures errors and times of many renders, as a table and a page.", app_study_flags,
+     app_study},
     {"help", "[TOPIC]", "Explains a command, an option or a plugin.", app_help_flags, app_help},
     {NULL, NULL, NULL, NULL, NULL},
 };

@@ -59,6 +59,13 @@ satin_status film_parse_exr(const void *data, size_t size, const char *name, str
 
 // The sRGB transfer function in 8 bits; NaN and negative values are black.
 unsigned char film_encode_srgb(float linear);
+// Encodes 8-bit sRGB pixels of 3 channels, or of 1 for grey, as a PNG. `name` is for messages. The
+// caller frees *data.
+satin_status film_encode_pixels(const char *name, int width, int height, int channels,
+                                const unsigned char *pixel, struct log log, void **data,
+                                size_t *size);
+// The factor of auto exposure for R, G and B, planes of the film's size.
+double film_auto_exposure(const struct satin_film *film, const float *const light[3]);
 // Writes a PNG of 8-bit sRGB pixels; `path` appears whole or not at all.
 satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
                                struct log log);

@@ -17,21 +17,32 @@ unsigned char film_encode_srgb(float linear) {
     return (unsigned char)(255.0f * v + 0.5f);
 }
 
-satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
-                               struct log log) {
+satin_status film_encode_pixels(const char *name, int width, int height, int channels,
+                                const unsigned char *pixel, struct log log, void **data,
+                                size_t *size) {
     png_image image = {.version = PNG_IMAGE_VERSION,
                        .width = (png_uint_32)width,
                        .height = (png_uint_32)height,
-                       .format = PNG_FORMAT_RGB};
+                       .format = channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB};
     // The bound of libpng's own macro for incompressible data, so one encoding is enough.
     png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
     void *file = malloc(bytes);
-    if (!file) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
-    satin_status status;
-    if (png_image_write_to_memory(&image, file, &bytes, 0, pixel, 0, NULL))
-        status = fileio_write(log, path, file, bytes);
-    else
-        status = log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", path, image.message);
+    if (!file) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", name);
+    if (png_image_write_to_memory(&image, file, &bytes, 0, pixel, 0, NULL)) {
+        *data = file;
+        *size = bytes;
+        return SATIN_OK;
+    }
+    free(file);
+    return log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", name, image.message);
+}
+
+satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
+                               struct log log) {
+    void *file = NULL;
+    size_t bytes = 0;
+    satin_status status = film_encode_pixels(path, width, height, 3, pixel, log, &file, &bytes);
+    if (status == SATIN_OK) status = fileio_write(log, path, file, bytes);
     free(file);
     return status;
 }
@@ -43,7 +54,7 @@ static const double GREY = 0.18;
 
 // The factor by which the mean logarithm of the luminance becomes that of GREY [Reinhard et al.
 // 2002, equation 1]. Pixels that are black or not finite are left out.
-static double auto_exposure(const struct satin_film *film, const float *const light[3]) {
+double film_auto_exposure(const struct satin_film *film, const float *const light[3]) {
     const size_t pixels = (size_t)film->width * (size_t)film->height;
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < pixels; i++) {
@@ -97,7 +108,7 @@ satin_status satin_film_write_png(const satin_film *film, const char *path,
     unsigned char *pixel = malloc(3 * pixels);
     if (!pixel) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     const float factor = (float)(exp2((double)map->exposure) *
-                                 (map->auto_exposure ? auto_exposure(film, light) : 1.0));
+                                 (map->auto_exposure ? film_auto_exposure(film, light) : 1.0));
     for (size_t i = 0; i < pixels; i++)
         for (int c = 0; c < 3; c++) {
             const float x = factor * light[c][i];

@@ -49,6 +49,9 @@ static void set_camera(const struct satin_scene *scene, struct film_camera *out)
 
 bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.total_s", render_elapsed(r));
+    stats_set(&r->stats, "time.load_s", r->scene.load_span.wall_s);
+    stats_set(&r->stats, "time.cpu_s", stats_cpu());
+    stats_set(&r->stats, "render.threads", parallel_threads(r->pool));
     stats_set(&r->stats, "memory.peak_bytes", stats_peak_memory());
     stats_set_span(&r->stats, "load", span_without(r->scene.load_span, r->scene.bvh_span));
     stats_set_span(&r->stats, "bvh", r->scene.bvh_span);

@@ -13,9 +13,9 @@ import sys
 
 # The order of the light: a folder of src includes only those before it.
 ORDER = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "cache", "gather",
-          "fill", "shade", "film", "render", "apps"]
+          "fill", "shade", "film", "render", "study", "apps"]
 # The only folder that may include headers of a library.
-LIBRARIES = {"embree": "scene", "flann": "photon"}
+LIBRARIES = {"embree": "scene", "flann": "photon", "toml": "study"}
 # How names of files may begin; base is free, the others have their folder's noun.
 NOUNS = {"render": ("render", "options"), "apps": ("app", "main")}
 # What the top folder may hold beside hidden files.

@@ -87,13 +87,14 @@ RETIRED_WORD = re.compile(f"(?<![a-z])(?:{'|'.join(RETIRED)})(?![a-z])")
 # Where a retired word is the right one; the last are names that options had, where they are quoted.
 ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
                      | ["'`](light-guide|gather-(bounce|guide|room|shadow))["'`] | `photons\.seen_s`
+                     | /usr/share/
                      """, re.VERBOSE)
 # Words that mean one thing in src and include, as docs/glossary.md defines it. In identifiers: a
 # pattern of the word, and all identifiers that have it, each with the files that may use it.
 IDENTIFIERS = {
     "Place": ("places?|placed|placing", {
         "log_place": r"src/(?:apps/app_info_cache|base/(?:fileio|log)|film/film_exr_read|load/"
-                     r"|render/(?:options|render_cache)|scene/scene_hints)",
+                     r"|render/(?:options|render_cache)|scene/scene_hints|study/)",
         "place": r"src/(?:base/(?:fileio|log)|load/|render/options|scene/scene_hints)",
         "current_place": "src/load/load_xml"}),
     "Part": ("parts?", {

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to study/: what a study's file says. All texts and arrays are in the study's arena, or in
+// the tree of the file.
+#ifndef STUDY_FILE_H
+#define STUDY_FILE_H
+
+#include "base/arena.h"
+#include "satin/options.h"
+#include "satin/scene.h"
+#include "study/study_toml.h"
+
+// Options by name. They are set in order.
+struct study_settings {
+    satin_setting *setting;
+    size_t count;
+};
+
+struct study_scene {
+    const char *name, *path;
+    const char *reference;  // path of an image, or NULL: one is rendered
+    satin_define *define;
+    size_t defines;
+    struct log_place at;
+    uint64_t hash;  // of everything that the scene is read from; set when the study is planned
+};
+
+// A value of an axis: of one option, or of several that change together.
+struct study_value {
+    const char *label;
+    struct study_settings set;
+};
+
+struct study_axis {
+    size_t column;
+    struct study_value *value;
+    size_t count;
+};
+
+// A combination of options. cell[i] is what the tables say of column i, or NULL until the study is
+// planned.
+struct study_point {
+    const char *name;  // or NULL
+    const char **cell;
+    struct study_settings set;
+    struct log_place at;
+};
+
+// What is varied: an option, or a name that the file gives to several options.
+struct study_column {
+    const char *name;
+    bool is_option;
+};
+
+struct study {
+    struct arena arena;
+    struct toml_node *root;
+    uint64_t hash;  // of the file
+
+    const char *title, *question;
+    struct study_scene *scene;
+    size_t scenes;
+    uint64_t *seed;
+    size_t seeds;
+    struct study_settings set;  // of every point
+    struct study_column *column;
+    size_t columns, column_capacity;
+    struct study_point *point;
+    size_t points, point_capacity;
+
+    // The reference that is rendered: `pieces` images of independent seeds, with so many samples
+    // per pixel together.
+    struct study_settings reference;
+    uint64_t reference_spp;
+    size_t reference_pieces;
+
+    bool mask_emission;
+    bool first_pass_view;  // whether the first pass is rendered directly too
+    int picture_width;     // of pictures in the page, or 0: by their number
+};
+
+// The largest number of renders of a study.
+enum { STUDY_RENDERS_MAX = 100000 };
+
+// Reads the file. SATIN_ERROR_INPUT, logged as file:line:column with the key, if it is wrong;
+// SATIN_ERROR_MEMORY, logged. study_file_free must follow in any case; `path` must stay valid until
+// then.
+satin_status study_file_read(struct log log, const char *path, struct study *out);
+void study_file_free(struct study *study);
+
+// ---- Reading (study_axes.c reads what varies) ---------------------------------------------------
+
+struct study_reader {
+    struct log log;
+    struct study *out;
+    satin_status status;  // of the first error
+};
+
+// Logs `file:line:column: KEY: ...` and returns false.
+bool study_wrong(struct study_reader *r, const struct toml_node *node, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+// The array of `count` zeroed elements from the arena, or NULL with the status set.
+void *study_array(struct study_reader *r, size_t count, size_t size);
+// Whether a node is of that kind; if not, `expected` is logged.
+bool study_is(struct study_reader *r, const struct toml_node *node, enum toml_kind kind,
+              const char *expected);
+// Whether all keys of a table are among `known`, which NULL ends.
+bool study_keys_known(struct study_reader *r, const struct toml_node *table,
+                      const char *const *known);
+// Checks an option and its value, and appends it; `out` has space for it. An option that varies
+// must not change what the true image is.
+bool study_take_option(struct study_reader *r, const struct toml_node *node, bool varies,
+                       struct study_settings *out);
+// Reads all options of a table.
+bool study_take_options(struct study_reader *r, const struct toml_node *table, bool varies,
+                        struct study_settings *out);
+// Read [vary] or [[vary]], and [[point]].
+bool study_take_vary(struct study_reader *r, const struct toml_node *node);
+bool study_take_points(struct study_reader *r, const struct toml_node *node);
+// Makes one point if there is none, and gives all points equal samples or an equal time.
+bool study_finish_points(struct study_reader *r, const struct toml_node *root);
+
+#endif

@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists the renders of a study. Each has a key, a hash of all that its result depends on: the scene
+// as it was read, all options, the seed and the program. Results are stored under these keys, so a
+// study that continues finds those that are still valid, and a change of the file, of a scene or of
+// the program is noticed.
+#include "study/study_plan.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/fileio.h"
+#include "base/text.h"
+#include "satin/film.h"
+#include "study/study_text.h"
+
+enum { PROGRAM_BYTES_MAX = 1 << 30 };
+
+// Seeds of the pieces of references are far from those of images.
+static const uint64_t REFERENCE_SEED = 1000001;
+
+// A setting of every option, and a few more.
+enum { SETTINGS_MAX = 512 };
+
+struct planner {
+    struct log log;
+    struct study_plan *plan;
+    satin_scene *scene;  // that is loaded
+    size_t at;           // its index
+};
+
+static satin_status fail_memory(struct log log) {
+    return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the study");
+}
+
+// ---- Options of a render ------------------------------------------------------------------------
+
+struct combined {
+    satin_setting setting[SETTINGS_MAX];
+    size_t count;
+};
+
+static bool is_in_list(const char *name, const char *const *list) {
+    for (; *list; list++)
+        if (text_same_name(name, *list)) return true;
+    return false;
+}
+
+static bool has_prefix_of(const char *name, const char *const *list) {
+    for (; *list; list++)
+        if (strncmp(name, *list, strlen(*list)) == 0) return true;
+    return false;
+}
+
+static void combine(struct combined *out, const struct study_settings *set,
+                    const char *const *without, const char *const *prefix) {
+    for (size_t i = 0; i < set->count && out->count < SETTINGS_MAX; i++) {
+        const char *name = set->setting[i].name;
+        if (without && is_in_list(name, without)) continue;
+        if (prefix && has_prefix_of(name, prefix)) continue;
+        out->setting[out->count++] = set->setting[i];
+    }
+}
+
+static void combine_one(struct combined *out, const char *name, const char *value) {
+    if (out->count < SETTINGS_MAX) out->setting[out->count++] = (satin_setting){name, value};
+}
+
+static void log_at_point(void *user, satin_log_severity severity, const char *message) {
+    const struct planner *p = user;
+    const struct log_place at = p->plan->study.scene[p->at].at;
+    if (severity == SATIN_LOG_ERROR) log_error_at(p->log, at, "%s", message);
+}
+
+// The options that a render with these settings has in the loaded scene.
+static satin_status resolve_settings(struct planner *p, const struct combined *set,
+                                     satin_options *out) {
+    return satin_options_resolve(p->scene, set->setting, set->count, log_at_point, p, out);
+}
+
+static uint64_t hash_text(uint64_t hash, const char *text) {
+    return fileio_hash(hash, text, strlen(text) + 1);
+}
+
+static uint64_t hash_options(uint64_t hash, const satin_options *options) {
+    satin_option_info info;
+    for (int i = 0; satin_options_describe(options, i, &info); i++) {
+        hash = hash_text(hash, info.name);
+        hash = hash_text(hash, info.value);
+    }
+    return hash;
+}
+
+// ---- Renders ------------------------------------------------------------------------------------
+
+// The arguments: the scene, its definitions, and the settings, as flags where there are some.
+static const char *const *make_arguments(struct planner *p, const struct combined *set) {
+    static const char *const flags[] = {"quality", "integrator", "first-pass", "spp",  "width",
+                                        "height",  "seed",       "threads",    "time", NULL};
+    struct arena *arena = &p->plan->study.arena;
+    const struct study_scene *scene = &p->plan->study.scene[p->at];
+    const char **out = arena_array(arena, 2 + 2 * (scene->defines + set->count), sizeof *out);
+    size_t n = 0;
+    if (!out) return NULL;
+    out[n++] = scene->path;
+    for (size_t i = 0; i < scene->defines + set->count; i++) {
+        const bool define = i < scene->defines;
+        const satin_setting *s = define ? NULL : &set->setting[i - scene->defines];
+        const char *name = define ? scene->define[i].name : s->name;
+        const char *value = define ? scene->define[i].value : s->value;
+        const bool flag = !define && is_in_list(name, flags);
+        const size_t bytes = strlen(name) + strlen(value) + 8;
+        char *word = arena_alloc(arena, bytes), *joined = arena_alloc(arena, bytes);
+        if (!word || !joined) return NULL;
+        snprintf(word, bytes, "%s%s", define ? "-D" : flag ? "--" : "--set", flag ? name : "");
+        snprintf(joined, bytes, flag ? "%s%s" : "%s=%s", flag ? "" : name, value);
+        for (char *c = word; flag && *c; c++)
+            if (*c == '_') *c = '-';
+        out[n++] = word;
+        out[n++] = joined;
+    }
+    return out;
+}
+
+// The index of a render with that key, which is appended if it is new; STUDY_NONE if there is no
+// memory.
+static size_t add_render(struct planner *p, enum study_what what, const struct combined *set,
+                         uint64_t key) {
+    struct study_plan *plan = p->plan;
+    for (size_t i = plan->renders; i-- > 0;)
+        if (plan->render[i].key == key) return i;
+    void *grown = plan->render;
+    if (!array_reserve(&grown, &plan->render_capacity, plan->renders + 1, sizeof *plan->render))
+        return STUDY_NONE;
+    plan->render = grown;
+    struct study_render *render = &plan->render[plan->renders];
+    *render = (struct study_render){what, p->at, key, make_arguments(p, set), {0}};
+    return render->argument ? plan->renders++ : STUDY_NONE;
+}
+
+static satin_status plan_render(struct planner *p, enum study_what what, struct combined *set,
+                                uint64_t seed, size_t *out) {
+    const struct study_scene *scene = &p->plan->study.scene[p->at];
+    char text[24];
+    satin_options options;
+    snprintf(text, sizeof text, "%llu", (unsigned long long)seed);
+    char *copy = arena_text(&p->plan->study.arena, text, strlen(text));
+    if (!copy) return fail_memory(p->log);
+    combine_one(set, "seed", copy);
+    const satin_status status = resolve_settings(p, set, &options);
+    if (status != SATIN_OK) return status;
+    uint64_t key = hash_options(FILEIO_HASH, &options);
+    key = fileio_hash(key, &scene->hash, sizeof scene->hash);
+    key = hash_text(key, SATIN_VERSION);
+    for (size_t i = 0; i < scene->defines; i++) {
+        key = hash_text(key, scene->define[i].name);
+        key = hash_text(key, scene->define[i].value);
+    }
+    // References take long and are compared with other programs' by tests of their own, so they
+    // outlive a new build of the same version.
+    if (what != STUDY_REFERENCE)
+        key = fileio_hash(key, &p->plan->program_hash, sizeof p->plan->program_hash);
+    *out = add_render(p, what, set, key);
+    return *out == STUDY_NONE ? fail_memory(p->log) : SATIN_OK;
+}
+
+// ---- Kinds of renders ---------------------------------------------------------------------------
+
+static satin_status plan_reference(struct planner *p, size_t *out) {
+    // These decide how an image is computed, not what it shows.
+    static const char *const without[] = {"integrator", "first-pass",        "spp",     "time",
+                                          "denoise",    "adaptive-sampling", "quality", NULL};
+    struct study *s = &p->plan->study;
+    if (s->scene[p->at].reference) return SATIN_OK;
+    char *spp = arena_alloc(&s->arena, 24);
+    if (!spp) return fail_memory(p->log);
+    snprintf(
+        spp, 24, "%llu",
+        (unsigned long long)((s->reference_spp + s->reference_pieces - 1) / s->reference_pieces));
+    for (size_t i = 0; i < s->reference_pieces; i++) {
+        struct combined set = {.count = 0};
+        combine_one(&set, "integrator", "path");
+        combine_one(&set, "spp", spp);
+        combine(&set, &s->set, without, NULL);
+        combine(&set, &s->reference, NULL, NULL);
+        const satin_status status =
+            plan_render(p, STUDY_REFERENCE, &set, REFERENCE_SEED + i, &out[i]);
+        if (status != SATIN_OK) return status;
+    }
+    return SATIN_OK;
+}
+
+// The integrator that shows the first pass of such a render directly, or NULL. The photon map of a
+// time limit depends on the whole render, and the paths of gather rays have no picture of their
+// own.
+static const char *view_integrator(const satin_options *options) {
+    if (options->integrator != SATIN_TWO_PASS || options->time > 0.0) return NULL;
+    if (options->first_pass == SATIN_FIRST_NONE) return "direct";
+    const bool photons = options->first_pass == SATIN_FIRST_PRECOMPUTED ||
+                         options->first_pass == SATIN_FIRST_PHOTONS;
+    return photons ? "photons" : NULL;
+}
+
+// A direct view of the first pass. Options of the second pass are left out, so that points which
+// differ in these alone have one view.
+static satin_status plan_view(struct planner *p, const struct study_point *point, uint64_t seed,
+                              size_t *out) {
+    static const char *const without[] = {"integrator",        "first-pass",
+                                          "denoise",           "adaptive-cache",
+                                          "origin-shift",      "record-max-radius",
+                                          "leak-test",         "record-maps",
+                                          "material-cache",    "glossy-samples",
+                                          "recursive-bounces", "guide-clusters",
+                                          "guide-visibility",  NULL};
+    static const char *const prefix[] = {"irradiance", "radiance", "gather", "material.", NULL};
+    const struct study *s = &p->plan->study;
+    struct combined whole = {.count = 0}, set = {.count = 0};
+    satin_options options;
+    combine(&whole, &s->set, NULL, NULL);
+    combine(&whole, &point->set, NULL, NULL);
+    const satin_status status = resolve_settings(p, &whole, &options);
+    if (status != SATIN_OK) return status;
+    const char *integrator = s->first_pass_view ? view_integrator(&options) : NULL;
+    *out = STUDY_NONE;
+    if (!integrator) return SATIN_OK;
+    combine_one(&set, "integrator", integrator);
+    combine(&set, &s->set, without, prefix);
+    combine(&set, &point->set, without, prefix);
+    return plan_render(p, STUDY_VIEW, &set, seed, out);
+}
+
+static satin_status plan_image(struct planner *p, const struct study_point *point, uint64_t seed,
+                               size_t *out) {
+    struct combined set = {.count = 0};
+    combine(&set, &p->plan->study.set, NULL, NULL);
+    combine(&set, &point->set, NULL, NULL);
+    return plan_render(p, STUDY_IMAGE, &set, seed, out);
+}
+
+// ---- Scenes and points --------------------------------------------------------------------------
+
+// A reference from a file must have the size that images will have.
+static satin_status check_reference(struct planner *p) {
+    const struct study *s = &p->plan->study;
+    const struct study_scene *scene = &s->scene[p->at];
+    struct combined set = {.count = 0};
+    satin_options options;
+    int width, height, w, h;
+    satin_film *film = NULL;
+    if (!scene->reference) return SATIN_OK;
+    combine(&set, &s->set, NULL, NULL);
+    satin_status status = resolve_settings(p, &set, &options);
+    if (status == SATIN_OK)
+        status = satin_film_read(scene->reference, p->log.fn, p->log.user, &film);
+    if (status != SATIN_OK) return status;
+    satin_film_size(film, &w, &h);
+    satin_film_free(film);
+    satin_scene_film_size(p->scene, &width, &height);
+    // As a render does it: one of them alone keeps the ratio.
+    const double aspect = (double)height / (double)width;
+    if (options.width > 0 || options.height > 0) {
+        width = options.width > 0 ? options.width
+                                  : (int)fmax(1.0, floor((double)options.height / aspect + 0.5));
+        height = options.height > 0 ? options.height
+                                    : (int)fmax(1.0, floor((double)options.width * aspect + 0.5));
+    }
+    if (options.crop_width > 0 && options.crop_height > 0) {
+        width = options.crop_width;
+        height = options.crop_height;
+    }
+    if (w == width && h == height) return SATIN_OK;
+    log_error_at(p->log, scene->at, "the reference %s has %dx%d pixels, images have %dx%d",
+                 scene->reference, w, h, width, height);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status load_scene(struct planner *p, size_t at) {
+    struct study_scene *scene = &p->plan->study.scene[at];
+    satin_scene_free(p->scene);
+    p->scene = NULL;
+    p->at = at;
+    const satin_status status = satin_scene_load(scene->path, scene->define, scene->defines,
+                                                 p->log.fn, p->log.user, &p->scene);
+    if (status == SATIN_OK) scene->hash = satin_scene_hash(p->scene);
+    return status;
+}
+
+// The value of an option as text in the study's arena; NULL if there is no such option or no
+// memory.
+static const char *option_text(struct arena *arena, const satin_options *options,
+                               const char *name) {
+    satin_option_info info;
+    for (int i = 0; satin_options_describe(options, i, &info); i++)
+        if (text_same_name(info.name, name))
+            return arena_text(arena, info.value, strlen(info.value));
+    return NULL;
+}
+
+// Continues the hashes of all points by their options in the loaded scene. Cells of options get the
+// value that they have in the first scene.
+static satin_status describe_points(struct planner *p, uint64_t *hash) {
+    struct study *s = &p->plan->study;
+    for (size_t i = 0; i < s->points; i++) {
+        struct study_point *point = &s->point[i];
+        struct combined set = {.count = 0};
+        satin_options options;
+        combine(&set, &s->set, NULL, NULL);
+        combine(&set, &point->set, NULL, NULL);
+        const satin_status status = resolve_settings(p, &set, &options);
+        if (status != SATIN_OK) return status;
+        hash[i] = hash_options(p->at == 0 ? FILEIO_HASH : hash[i], &options);
+        for (size_t c = 0; c < s->columns && p->at == 0; c++) {
+            const char *text =
+                s->column[c].is_option ? option_text(&s->arena, &options, s->column[c].name) : NULL;
+            if (text) point->cell[c] = text;
+        }
+    }
+    return SATIN_OK;
+}
+
+// Removes points whose hash another one has; the first keeps its labels and takes others from them.
+static void merge_points(struct study *s, uint64_t *hash) {
+    size_t kept = 0;
+    for (size_t i = 0; i < s->points; i++) {
+        size_t k = 0;
+        while (k < kept && hash[k] != hash[i]) k++;
+        if (k == kept) {
+            s->point[kept] = s->point[i];
+            hash[kept++] = hash[i];
+            continue;
+        }
+        if (!s->point[k].name) s->point[k].name = s->point[i].name;
+        for (size_t c = 0; c < s->columns; c++)
+            if (!s->point[k].cell[c]) s->point[k].cell[c] = s->point[i].cell[c];
+    }
+    s->points = kept;
+}
+
+static satin_status plan_points(struct planner *p) {
+    struct study *s = &p->plan->study;
+    uint64_t *hash = calloc(s->points, sizeof *hash);
+    satin_status status = hash ? SATIN_OK : fail_memory(p->log);
+    for (size_t i = 0; i < s->scenes && status == SATIN_OK; i++) {
+        status = load_scene(p, i);
+        if (status == SATIN_OK) status = check_reference(p);
+        if (status == SATIN_OK) status = describe_points(p, hash);
+    }
+    if (status == SATIN_OK) merge_points(s, hash);
+    free(hash);
+    return status;
+}
+
+// Renders of one scene, in the order in which they run: every point by the first seed, then by the
+// next, so that a change of the machine's speed affects all points.
+static satin_status plan_scene(struct planner *p) {
+    struct study_plan *plan = p->plan;
+    const struct study *s = &plan->study;
+    satin_status status = plan_reference(p, &plan->reference[p->at * s->reference_pieces]);
+    for (size_t k = 0; k < s->seeds; k++)
+        for (size_t i = 0; i < s->points; i++) {
+            const size_t at = (p->at * s->points + i) * s->seeds + k;
+            if (status == SATIN_OK)
+                status = plan_image(p, &s->point[i], s->seed[k], &plan->image[at]);
+            if (status == SATIN_OK)
+                status = plan_view(p, &s->point[i], s->seed[k], &plan->view[at]);
+        }
+    return status;
+}
+
+static satin_status plan_all(struct planner *p) {
+    struct study_plan *plan = p->plan;
+    struct study *s = &plan->study;
+    satin_status status = plan_points(p);
+    if (status != SATIN_OK) return status;
+    const size_t images = s->scenes * s->points * s->seeds;
+    const size_t pieces = s->scenes * s->reference_pieces;
+    plan->reference = arena_array(&s->arena, pieces, sizeof *plan->reference);
+    plan->image = arena_array(&s->arena, images, sizeof *plan->image);
+    plan->view = arena_array(&s->arena, images, sizeof *plan->view);
+    if (!plan->reference || !plan->image || !plan->view) return fail_memory(p->log);
+    for (size_t i = s->scenes; i-- > 0 && status == SATIN_OK;) {
+        // The last scene is still loaded.
+        if (p->at != i) status = load_scene(p, i);
+        if (status == SATIN_OK) status = plan_scene(p);
+    }
+    return status;
+}
+
+satin_status study_plan_make(struct log log, const char *file, const char *program,
+                             struct study_plan *out) {
+    char *bytes = NULL;
+    size_t size = 0;
+    struct planner p = {.log = log, .plan = out};
+    *out = (struct study_plan){0};
+    satin_status status = study_file_read(log, file, &out->study);
+    if (status == SATIN_OK)
+        status = fileio_read(log, (struct log_place){0}, program, PROGRAM_BYTES_MAX, &bytes, &size);
+    if (status != SATIN_OK) return status;
+    out->program_hash = fileio_hash_large(FILEIO_HASH, bytes, size);
+    free(bytes);
+    status = plan_all(&p);
+    satin_scene_free(p.scene);
+    return status;
+}
+
+void study_plan_free(struct study_plan *plan) {
+    for (size_t i = 0; i < plan->renders; i++) free(plan->render[i].result.message);
+    free(plan->render);
+    study_file_free(&plan->study);
+    *plan = (struct study_plan){0};
+}
+
+// ---- Access -------------------------------------------------------------------------------------
+
+struct study_render *study_plan_image(const struct study_plan *plan, size_t scene, size_t point,
+                                      size_t seed) {
+    const struct study *s = &plan->study;
+    return &plan->render[plan->image[(scene * s->points + point) * s->seeds + seed]];
+}
+
+struct study_render *study_plan_view(const struct study_plan *plan, size_t scene, size_t point,
+                                     size_t seed) {
+    const struct study *s = &plan->study;
+    const size_t at = plan->view[(scene * s->points + point) * s->seeds + seed];
+    return at == STUDY_NONE ? NULL : &plan->render[at];
+}
+
+char *study_command(const struct study_render *render) {
+    struct study_text text = {0};
+    study_text_add(&text, "satin render");
+    for (const char *const *a = render->argument; *a; a++) {
+        study_text_add(&text, " ");
+        study_text_shell(&text, *a);
+        if (a == render->argument) study_text_add(&text, " -o image.exr --float");
+    }
+    if (!text.failed) return text.data;
+    free(text.data);
+    return NULL;
+}
+
+char *study_point_label(const struct study *study, const struct study_point *point) {
+    struct study_text text = {0};
+    study_text_add(&text, "%s", point->name ? point->name : "");
+    for (size_t c = 0; c < study->columns && !point->name; c++) {
+        if (!point->cell[c] || !*point->cell[c]) continue;
+        if (study->column[c].is_option)
+            study_text_add(&text, "%s%s=%s", text.size ? " " : "", study->column[c].name,
+                           point->cell[c]);
+        else
+            study_text_add(&text, "%s%s", text.size ? " " : "", point->cell[c]);
+    }
+    if (text.size == 0) study_text_add(&text, "defaults");
+    if (!text.failed) return text.data;
+    free(text.data);
+    return NULL;
+}

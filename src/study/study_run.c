@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs a study: references first, then every point by the first seed, by the second seed, and so
+// on, one render at a time; then compares all images and writes what was found.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/fileio.h"
+#include "base/stats.h"
+#include "study/study_report.h"
+
+// The state of a study that runs.
+struct running {
+    const struct study_request *request;
+    struct log log;
+    struct study_plan *plan;
+    struct study_store *store;
+    size_t total, ready, failed;  // renders in all, with results, failed
+    double begin, spent;          // when it began; seconds of renders in this process
+    size_t rendered;              // by this process
+};
+
+static void report_line(const struct running *r, const char *line) {
+    if (r->request->report) r->request->report(r->request->user, line);
+}
+
+static bool is_interrupted(const struct running *r) {
+    return r->request->interrupted && r->request->interrupted();
+}
+
+// ---- One render ---------------------------------------------------------------------------------
+
+// The first line that a render has printed, from malloc; NULL if there is none.
+static char *first_line(const char *path) {
+    char *text = NULL;
+    size_t size = 0;
+    if (fileio_read((struct log){0}, (struct log_place){0}, path, 1 << 20, &text, &size) !=
+        SATIN_OK)
+        return NULL;
+    text[strcspn(text, "\r\n")] = 0;
+    return text;
+}
+
+// Runs the command with outputs in DIR/work.
+static satin_status run_command(struct running *r, struct study_render *render) {
+    const char *word[600];
+    size_t n = 0;
+    char *image = study_store_path(r->store, "work/image.exr");
+    char *stats = study_store_path(r->store, "work/stats.json");
+    char *errors = study_store_path(r->store, "work/errors.txt");
+    satin_status status = SATIN_ERROR_MEMORY;
+    word[n++] = "render";
+    for (const char *const *a = render->argument; *a && n < 590; a++) word[n++] = *a;
+    const char *const outputs[] = {"-o", image, "--float", "--stats", stats, "--quiet", NULL};
+    memcpy(&word[n], outputs, sizeof outputs);
+    if (image && stats && errors) {
+        const struct study_child child = {r->request->program, word, errors,
+                                          r->request->interrupted};
+        if (study_child_run(&child, &render->result)) {
+            status = SATIN_OK;
+            const bool failed = render->result.status != 0 || render->result.signal != 0;
+            if (failed) render->result.message = first_line(errors);
+        } else {
+            status = log_fail(r->log, SATIN_ERROR_INTERNAL, "%s: it cannot be started",
+                              r->request->program);
+        }
+    }
+    free(image);
+    free(stats);
+    free(errors);
+    return status;
+}
+
+static void report_end(struct running *r, const struct study_render *render, const char *label) {
+    const struct study_result *result = &render->result;
+    char line[512], left[48] = "";
+    const double mean = r->spent / (double)r->rendered;
+    const size_t missing = r->total - r->ready - r->failed;
+    if (missing) snprintf(left, sizeof left, ", about %.0f s left", mean * (double)missing);
+    if (result->status == 0 && result->signal == 0)
+        snprintf(line, sizeof line, "[%zu/%zu] %s: %.2f s%s", r->ready + r->failed, r->total, label,
+                 result->wall_s, left);
+    else
+        snprintf(line, sizeof line, "[%zu/%zu] %s: failed with %s %d: %s", r->ready + r->failed,
+                 r->total, label, result->signal ? "signal" : "status",
+                 result->signal ? result->signal : result->status,
+                 result->message ? result->message : "");
+    report_line(r, line);
+}
+
+// Renders what has no result yet. SATIN_CANCELLED if it was interrupted; a render that fails is no
+// error of the study.
+static satin_status render_one(struct running *r, struct study_render *render, const char *label) {
+    if (render->result.done) return SATIN_OK;
+    if (is_interrupted(r)) return SATIN_CANCELLED;
+    satin_status status = run_command(r, render);
+    if (status != SATIN_OK) return status;
+    if (is_interrupted(r)) return SATIN_CANCELLED;
+    render->result.done = true;
+    r->spent += render->result.wall_s;
+    r->rendered++;
+    const bool good = render->result.status == 0 && render->result.signal == 0;
+    if (good) status = study_store_add(r->store, r->log, render);
+    r->ready += good;
+    r->failed += !good;
+    report_end(r, render, label);
+    return status;
+}
+
+// ---- All renders --------------------------------------------------------------------------------
+
+static satin_status render_references(struct running *r) {
+    const struct study *s = &r->plan->study;
+    satin_status status = SATIN_OK;
+    for (size_t i = 0; i < s->scenes; i++)
+        for (size_t k = 0; k < s->reference_pieces && !s->scene[i].reference; k++) {
+            char label[256];
+            snprintf(label, sizeof label, "%s, reference, piece %zu of %zu", s->scene[i].name,
+                     k + 1, s->reference_pieces);
+            struct study_render *render =
+                &r->plan->render[r->plan->reference[i * s->reference_pieces + k]];
+            if (status == SATIN_OK) status = render_one(r, render, label);
+            if (status == SATIN_OK && (render->result.status != 0 || render->result.signal != 0))
+                status = log_fail(r->log, SATIN_ERROR_INTERNAL,
+                                  "%s: its reference could not be rendered", s->scene[i].name);
+        }
+    return status;
+}
+
+static satin_status render_point(struct running *r, size_t scene, size_t point, size_t seed) {
+    const struct study *s = &r->plan->study;
+    char *label = study_point_label(s, &s->point[point]);
+    struct study_text text = {0}, view_text = {0};
+    struct study_render *view = study_plan_view(r->plan, scene, point, seed);
+    satin_status status = SATIN_ERROR_MEMORY;
+    study_text_add(&text, "%s, %s, seed %llu", s->scene[scene].name, label ? label : "",
+                   (unsigned long long)s->seed[seed]);
+    study_text_add(&view_text, "%s, view of the first pass", text.data ? text.data : "");
+    if (label && !text.failed && !view_text.failed) {
+        status = render_one(r, study_plan_image(r->plan, scene, point, seed), text.data);
+        if (status == SATIN_OK && view) status = render_one(r, view, view_text.data);
+    }
+    free(label);
+    free(text.data);
+    free(view_text.data);
+    return status;
+}
+
+static satin_status render_points(struct running *r) {
+    const struct study *s = &r->plan->study;
+    satin_status status = SATIN_OK;
+    for (size_t k = 0; k < s->seeds; k++)
+        for (size_t i = 0; i < s->scenes; i++)
+            for (size_t p = 0; p < s->points && status == SATIN_OK; p++)
+                status = render_point(r, i, p, k);
+    return status;
+}
+
+// Looks for results that are there already, and reports how many.
+static void find_results(struct running *r, const char *changed) {
+    char line[512];
+    for (size_t i = 0; i < r->plan->renders; i++) {
+        study_store_find(r->store, &r->plan->render[i]);
+        r->ready += r->plan->render[i].result.done;
+    }
+    r->total = r->plan->renders;
+    if (changed) {
+        snprintf(line, sizeof line, "changed since the last run: %s", changed);
+        report_line(r, line);
+    }
+    const struct study *s = &r->plan->study;
+    snprintf(line, sizeof line, "%zu points, %zu scenes, %zu seeds: %zu renders, %zu of them done",
+             s->points, s->scenes, s->seeds, r->total, r->ready);
+    report_line(r, line);
+}
+
+// ---- The whole ----------------------------------------------------------------------------------
+
+static satin_status run_all(struct running *r) {
+    char *changed = NULL;
+    satin_status status = study_store_note(r->store, r->log, r->plan, &changed);
+    if (status != SATIN_OK) return status;
+    find_results(r, changed);
+    free(changed);
+    status = render_references(r);
+    // Without references nothing can be compared.
+    if (status != SATIN_OK) return status;
+    status = render_points(r);
+    if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
+    const satin_status written = study_report_write(r->store, r->plan, r->log);
+    if (written != SATIN_OK) return written;
+    if (status == SATIN_OK && r->failed)
+        return log_fail(r->log, SATIN_ERROR_INTERNAL, "%s: %zu of %zu renders failed",
+                        r->request->file, r->failed, r->total);
+    return status;
+}
+
+// Reports what would be rendered.
+static void list_renders(const struct running *r) {
+    for (size_t i = 0; i < r->plan->renders; i++) {
+        char *command = study_command(&r->plan->render[i]);
+        if (command) report_line(r, command);
+        free(command);
+    }
+}
+
+satin_status study_run(const struct study_request *request, struct log log) {
+    struct study_plan plan;
+    struct study_store store = {request->folder, -1};
+    struct running r = {.request = request, .log = log, .plan = &plan, .store = &store};
+    satin_status status = study_plan_make(log, request->file, request->program, &plan);
+    if (status == SATIN_OK && request->dry) {
+        list_renders(&r);
+    } else if (status == SATIN_OK) {
+        status = study_store_open(log, request->folder, &store);
+        if (status == SATIN_OK) status = run_all(&r);
+        study_store_close(&store);
+    }
+    study_plan_free(&plan);
+    return status;
+}

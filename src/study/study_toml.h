@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to study/: a TOML file as a tree of plain structs.
+#ifndef STUDY_TOML_H
+#define STUDY_TOML_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/log.h"
+
+enum toml_kind { TOML_TABLE, TOML_ARRAY, TOML_TEXT, TOML_NUMBER, TOML_FLAG, TOML_OTHER };
+
+// A table, an array or a value. The children of a table have keys and are in the order of the file.
+struct toml_node {
+    enum toml_kind kind;
+    char *key;            // NULL in an array
+    char *text;           // a value as text: numbers with all their digits, flags as on or off
+    double number;        // of a number
+    struct log_place at;  // of a key if it has one, else of the value
+    struct toml_node *child;
+    size_t count;
+};
+
+// Parses text that ends with 0. SATIN_ERROR_INPUT, logged with the line, if it is not TOML;
+// SATIN_ERROR_MEMORY, logged. The caller frees *root with toml_free. `path` must stay valid as long
+// as the tree.
+satin_status toml_parse(struct log log, const char *path, const char *text,
+                        struct toml_node **root);
+void toml_free(struct toml_node *root);  // NULL is allowed
+
+// The child of a table with that key, or NULL.
+const struct toml_node *toml_find(const struct toml_node *table, const char *key);
+
+#endif
