@@ -45,14 +45,14 @@ struct path_vertex {
                  // records of the next bounce does not count, as its own depth is less
     rgb T, Le;   // of the segment that ends here: its transmittance, and the emitted light on it
     rgb L;       // radiance reflected here, as far as it is known
+    float E;     // luminance of the first-pass irradiance here
     struct path_branch branch[2];  // by which the path continues: diffuse, then glossy
     int followed;                  // number of branches that are done
 };
 
 struct path {
     struct sampler sampler;            // for all decisions, in the order in which they are made
-    const struct gather_cones *cones;  // to which the first bounce is guided; NULL: to none
-    float E;                           // luminance of the first-pass irradiance at the first vertex
+    const struct gather_cones *cones;  // to which diffuse bounces are guided; NULL: to none
     struct path_vertex vertex[VERTICES];
 };
 
@@ -144,6 +144,7 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     const struct shading_point *y = v->y;
     const struct interaction *s = &y->interaction;
     v->L = rgb_grey(0.0f);
+    v->E = rgb_luminance(estimate.E);
     v->followed = 0;
     const unsigned known = g->next.gather ? cache_add_reflected(g->next.reader, y, &v->L) : 0;
     const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
@@ -197,8 +198,8 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
     const vec2 u = sampler_2d(&path->sampler);
     if (u_lobe >= branch.probability) return false;
     u_lobe /= branch.probability;
-    if (branch.lobes == BRDF_DIFFUSE && v == path->vertex && path->cones)
-        return gather_near_bounce(path->cones, y, path->E, u_lobe, u, out);
+    if (branch.lobes == BRDF_DIFFUSE && path->cones)
+        return gather_near_bounce(path->cones, y, v->E, u_lobe, u, out);
     return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
 }
 
@@ -262,7 +263,6 @@ rgb gather_bounces(const struct gather *g, const struct shading_point *y,
     struct path path;  // not initialised as a whole, as few of its vertices are used
     path.sampler = sampler;
     path.cones = cones;
-    path.E = rgb_luminance(estimate.E);
     struct path_vertex *v = path.vertex;
     v->g = g;
     v->y = y;

@@ -20,7 +20,7 @@ static inline const rgb *gather_direct_known(const struct gather *g, int entry) 
 }
 
 // The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its
-// viewer, without emitted light. The first bounce is guided to `cones`, which may be NULL.
+// viewer, without emitted light. Diffuse bounces are guided to `cones`, which may be NULL.
 rgb gather_bounces(const struct gather *g, const struct shading_point *y,
                    struct gather_estimate estimate, const struct gather_cones *cones,
                    struct sampler sampler);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The next bounce of gather rays whose hit is nearer than a photon lookup can resolve
-// (gather_bounces.c). Photon clusters may be visible from the hit y although they are not from the
-// site: near the edge between a wall and a ceiling, the wall sees a lit patch on the ceiling, but
-// the ceiling does not. A bounce by the BRDF alone hits such a cluster so rarely that one hit
-// outweighs all other rays of its hemisphere. Therefore some of the bounces go to the clusters
-// around the site that are visible from y. The balance heuristic [Veach and Guibas 1995] weights
-// both kinds of samples, so the mean does not change.
+// The diffuse bounces of gather rays that continue because the photons' estimate at their hit is
+// not reliable (gather_bounces.c), as where it is nearer than a photon lookup can resolve. Photon
+// clusters may be visible from the hit y although they are not from the site: near the edge between
+// a wall and a ceiling, the wall sees a lit patch on the ceiling, but the ceiling does not. A
+// bounce by the BRDF alone hits such a cluster so rarely that one hit outweighs all other rays of
+// its hemisphere. Therefore some of the bounces go to the clusters around the site that are visible
+// from y. The balance heuristic [Veach and Guibas 1995] weights both kinds of samples, so the mean
+// does not change.
 #include "gather/gather_near.h"
 
 // The largest fraction of the bounces from y that go to photon clusters.
@@ -29,19 +30,20 @@ bool gather_is_near(const struct gather *g, float t, float radius, float discs) 
     return t < fmaxf(radius, fminf(discs * radius, g->lookup_max));
 }
 
-static bool is_near(const struct gather_hits *hits, size_t i) {
-    return hits->near[i] && hits->hit[i].point.lobes & BRDF_DIFFUSE;
+// Whether the ray of a hit continues by a diffuse bounce.
+static bool continues(const struct gather_hits *hits, size_t i) {
+    return !hits->reliable[i] && hits->hit[i].point.lobes & BRDF_DIFFUSE;
 }
 
-// Selects hits distributed uniformly over the near ones, and returns their number.
+// Selects hits distributed uniformly over those that continue, and returns their number.
 static int choose_probes(const struct gather_hits *hits, size_t all,
                          struct gather_probe probe[GUIDE_PROBES]) {
-    size_t nears = 0, at = 0;
+    size_t continued = 0, at = 0;
     int count = 0;
-    for (size_t i = 0; i < all; i++) nears += is_near(hits, i);
+    for (size_t i = 0; i < all; i++) continued += continues(hits, i);
     for (size_t i = 0; i < all && count < GUIDE_PROBES; i++) {
-        if (!is_near(hits, i)) continue;
-        if (at++ * GUIDE_PROBES < (size_t)count * nears) continue;
+        if (!continues(hits, i)) continue;
+        if (at++ * GUIDE_PROBES < (size_t)count * continued) continue;
         const struct shading_point *y = &hits->hit[i].point;
         probe[count++] =
             (struct gather_probe){{y->interaction.p, y->frame.n, y->ng}, rgb_luminance(hits->E[i])};

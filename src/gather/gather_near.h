@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to gather/: the next bounce of gather rays whose hit is near their site.
+// Private to gather/: hits that are near their site, and the diffuse bounces of gather rays that
+// continue.
 #ifndef GATHER_NEAR_H
 #define GATHER_NEAR_H
 
@@ -36,18 +37,18 @@ struct gather_cones {
 
 // What is known of the clusters around a site.
 enum gather_near_state {
-    NEAR_NOT_SEARCHED,  // nothing; they are searched at the first hit that is near
+    NEAR_NOT_SEARCHED,  // nothing; they are searched at the first hit whose ray continues
     NEAR_SEARCHED,      // the clusters, but not from where they are visible
     NEAR_PROBED         // also which of them contribute to hits
 };
 
-// The photon clusters around a site, for the next bounce of rays whose hit is near.
+// The photon clusters around a site, for the bounces of rays that continue.
 struct gather_near {
     float discs;     // GATHER_NEAR_DISCS or GATHER_NEAR_DISCS_RADIANCE
     vec3 p;          // the site
     float expected;  // approximate irradiance at the site [W m^-2]
-    bool single;     // for single rays: the clusters that contribute to the first hits that are
-                     // near are those of all further hits
+    bool single;     // for single rays: the clusters that contribute to the first hits that
+                     // continue are those of all further hits
     enum gather_near_state state;
     struct gather_cones cones;  // clusters that contribute to hits, from NEAR_PROBED on
     int found;                  // cones in cones.cone, from NEAR_SEARCHED on: those that do not
@@ -66,14 +67,14 @@ float gather_visible_fraction(const struct gather *g, const struct gather_probe 
                               bool single, struct guide_cone cone);
 
 // Finds the clusters around the site of `near` that contribute to those of the first `count` hits
-// that are near it. Changes nothing if no hit is near, or if the clusters are those of earlier
-// hits. E and radius of the hits must be known.
+// whose rays continue. Changes nothing if there is none, or if the clusters are those of earlier
+// hits. E and `reliable` of the hits must be known.
 void gather_near_probe(const struct gather *g, const struct gather_hits *hits, size_t count,
                        struct gather_near *near);
 
-// Draws a direction from which y, near the site, reflects light by its diffuse lobe: by the lobe
-// itself or to one of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y.
-// Otherwise as brdf_sample; pdf_w is that of the lobe alone, for MIS with light samples.
+// Draws a direction from which y reflects light by its diffuse lobe: by the lobe itself or to one
+// of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y. Otherwise as
+// brdf_sample; pdf_w is that of the lobe alone, for MIS with light samples.
 bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out);
 

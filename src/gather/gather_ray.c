@@ -82,24 +82,26 @@ static int light_samples(float bright, float mean) {
     return bright > 1.5f * mean ? (int)(bright / mean + 0.5f) : 1;
 }
 
-// First passes `photons` and `precomputed`: computes the reflected radiance of the hits, of which
-// those near the site of `near` are guided to its clusters, which they complete.
+// First passes `photons` and `precomputed`: computes the reflected radiance of the hits. Bounces
+// from those whose rays continue are guided to the clusters of `near`, which the hits complete.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        struct gather_near *near) {
     const float discs = near ? near->discs : GATHER_NEAR_DISCS;
     look_up_hits(g, hits, count);
-    for (size_t i = 0; i < count; i++)
-        hits->near[i] = gather_is_near(g, hits->hit[i].point.interaction.t, hits->radius[i], discs);
+    for (size_t i = 0; i < count; i++) {
+        const struct gather_hit *hit = &hits->hit[i];
+        const float radius = hits->radius[i];
+        const bool close = gather_is_near(g, hit->point.interaction.t, radius, discs);
+        hits->reliable[i] = gather_is_reliable(g, radius, close) && !averages_few(g, hit, radius);
+    }
     if (near) gather_near_probe(g, hits, count, near);
     const float mean = hit_weights(g, hits, count);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
-        const bool reliable = gather_is_reliable(g, hits->radius[i], hits->near[i]) &&
-                              !averages_few(g, hit, hits->radius[i]);
-        const struct gather_estimate estimate = {hits->E[i], reliable,
+        const struct gather_estimate estimate = {hits->E[i], hits->reliable[i],
                                                  gather_direct_known(g, hits->entry[i]),
                                                  light_samples(hits->bright[i], mean)};
-        const struct gather_cones *cones = near && hits->near[i] ? &near->cones : NULL;
+        const struct gather_cones *cones = near ? &near->cones : NULL;
         const rgb L = gather_bounces(g, &hit->point, estimate, cones, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
     }

@@ -25,8 +25,8 @@ struct gather_hits {
     rgb E[GATHER_HITS_MOST];
     float radius[GATHER_HITS_MOST];
     int entry[GATHER_HITS_MOST];
-    bool near[GATHER_HITS_MOST];     // gather_is_near
-    float bright[GATHER_HITS_MOST];  // approximate luminance of what the hit contributes
+    bool reliable[GATHER_HITS_MOST];  // whether the estimate is read
+    float bright[GATHER_HITS_MOST];   // approximate luminance of what the hit contributes
 };
 
 // Memory that a worker uses repeatedly. A call reads from it only what the same call has written.

@@ -19,6 +19,7 @@ static void gather_cluster_rays_start(struct gather_cluster_rays_fixture *f, int
     satin_options options = satin_options_default;
     options.first_pass = SATIN_FIRST_NONE;
     options.max_depth = -1;
+    options.photons = 0;
     f->half_angle = half_angle;
     spot_room_make(&f->room, half_angle, options, RAYS, order);
 }

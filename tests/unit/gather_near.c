@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The next bounce of gather rays, where all light comes from a small spot of light on a ceiling and
-// the site is on that ceiling, from which it is not visible: irradiance there is known by
-// integration over the walls and the floor, which the spot lights.
+// Diffuse bounces of gather rays that continue, where all light comes from a small spot of light on
+// a ceiling and the site is on that ceiling, from which it is not visible: irradiance there is
+// known by integration over the walls and the floor, which the spot lights.
 #include "gather/gather_near.h"
 #include "gather/gather_layout.h"
 
@@ -11,11 +11,13 @@ enum { STREAMS = 64, RAYS = 600, POINTS = 1 << 16 };
 
 static const float GATHER_NEAR_HALF_ANGLE = 0.02f;
 
-static void gather_near_start(struct spot_room *f) {
+// `walls` is the largest number of diffuse surfaces between the site and the spot of light. Without
+// photons every hit is near.
+static void gather_near_start(struct spot_room *f, int walls, int photons) {
     satin_options options = satin_options_default;
-    options.max_depth = 4;  // the eye, the site, a wall, the spot of light, the lamp
-    spot_room_make(f, GATHER_NEAR_HALF_ANGLE, options, RAYS,
-                   0);  // without photons every hit is near
+    options.max_depth = 3 + walls;  // the eye, the site, the walls, the spot of light, the lamp
+    options.photons = photons;
+    spot_room_make(f, GATHER_NEAR_HALF_ANGLE, options, RAYS, 0);
 }
 
 static struct gather_site ceiling_site(uint64_t stream) {
@@ -23,21 +25,36 @@ static struct gather_site ceiling_site(uint64_t stream) {
     return (struct gather_site){v3(0.9f, 1.0f, 0.3f), n, frame_from_normal(n), stream, true};
 }
 
+// Draws the surface point y that is seen from p by the cosine.
+static struct interaction draw_wall(const struct spot_room *f, vec3 p, vec3 n, vec2 u) {
+    const struct frame frame = frame_from_normal(n);
+    const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u.x, u.y));
+    const struct ray ray = scene_spawn(&f->scene.scene, p, n, d);
+    struct interaction y;
+    assert_true(scene_intersect(&f->scene.scene, &ray, &y));
+    if (v3_dot(y.ng, d) > 0.0f) y.ng = v3_neg(y.ng);
+    return y;
+}
+
+// Irradiance at y from the spot, over its flux and its albedo over pi.
+static double from_spot(const struct interaction *y) {
+    const vec3 offset = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), y->p);
+    const float r2 = v3_len2(offset);
+    return (double)(fmaxf(v3_dot(offset, y->ng), 0.0f) * offset.y / (r2 * r2));
+}
+
 // Irradiance at the site: the flux into the spot is reflected to y as from a point, then to the
-// site.
-static double gather_near_expected(const struct spot_room *f) {
+// site, or over z if there are two walls.
+static double gather_near_expected(const struct spot_room *f, int walls) {
     const struct gather_site site = ceiling_site(0);
     const double flux = 2.0 * 3.14159265358979 * (1.0 - (double)cosf(GATHER_NEAR_HALF_ANGLE));
     double sum = 0.0;
     for (uint32_t i = 0; i < POINTS; i++) {
-        const vec2 u = sample_sobol2(i, 7);
-        const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
-        const struct ray ray = scene_spawn(&f->scene.scene, site.p, site.ng, d);
-        struct interaction y;
-        assert_true(scene_intersect(&f->scene.scene, &ray, &y));
-        const vec3 offset = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), y.p);
-        const float cosine = fabsf(v3_dot(offset, y.ng)), r2 = v3_len2(offset);
-        sum += (double)(cosine * offset.y / (r2 * r2)) / POINTS;
+        const struct interaction y = draw_wall(f, site.p, site.ng, sample_sobol2(i, 7));
+        sum += from_spot(&y) / POINTS;
+        if (walls < 2) continue;
+        const struct interaction z = draw_wall(f, y.p, y.ng, sample_sobol2(i, 8));
+        sum += (double)ALBEDO * from_spot(&z) / POINTS;
     }
     const double diffuse = (double)ALBEDO / 3.14159265358979;
     return 3.14159265358979 * diffuse * diffuse * flux * sum;
@@ -63,17 +80,43 @@ static struct gather_near_errors gather_near_errors_of(struct spot_room *f, bool
     return e;
 }
 
+// The bound of the mean is four standard deviations. A run by the BRDF alone shows the noise
+// without clusters.
+static void assert_even(struct spot_room *f, double E, double rms) {
+    const struct gather_near_errors with = gather_near_errors_of(f, true, E);
+    assert_true(fabs(with.mean) < 4.0 * with.rms / sqrt(STREAMS));
+    assert_true(with.rms < rms);
+    assert_true(gather_near_errors_of(f, false, E).rms > 1.0);
+}
+
 static void positions_hidden_from_the_site_are_sampled(void **state) {
     (void)state;
     struct spot_room f;
-    gather_near_start(&f);
-    const double E = gather_near_expected(&f);
-    const struct gather_near_errors with = gather_near_errors_of(&f, true, E);
-    // The bound is four standard deviations of the mean. A run by the BRDF alone shows the noise
-    // without clusters.
-    assert_true(fabs(with.mean) < 4.0 * with.rms / sqrt(STREAMS));
-    assert_true(with.rms < 0.15);
-    assert_true(gather_near_errors_of(&f, false, E).rms > 1.0);
+    gather_near_start(&f, 1, 0);
+    assert_even(&f, gather_near_expected(&f, 1), 0.15);
+    spot_room_free(&f);
+}
+
+// Paths that continue by more than one bounce.
+static void second_bounces_find_the_spot(void **state) {
+    (void)state;
+    struct spot_room f;
+    gather_near_start(&f, 2, 0);
+    assert_even(&f, gather_near_expected(&f, 2), 0.15);
+    spot_room_free(&f);
+}
+
+// Hits that are not near, but whose lookups are too large to be reliable.
+static void bounces_from_large_lookups_find_the_spot(void **state) {
+    (void)state;
+    struct spot_room f;
+    gather_near_start(&f, 1, 2000);
+    f.g.lookup_max = 0.01f;
+    const vec3 p = v3(0.3f, -1.0f, 0.3f), n = v3(0, 1, 0);
+    float radius;
+    photon_irradiance(f.maps, &f.scene.scene, p, n, &radius, NULL);
+    assert_true(f.g.lookup_max < radius && !gather_is_near(&f.g, 2.0f, radius, 2.0f));
+    assert_even(&f, gather_near_expected(&f, 1), 0.15);
     spot_room_free(&f);
 }
 
@@ -82,7 +125,7 @@ static void positions_hidden_from_the_site_are_sampled(void **state) {
 static void weights_are_unbiased(void **state) {
     (void)state;
     struct spot_room f;
-    gather_near_start(&f);
+    gather_near_start(&f, 1, 0);
     const struct gather_site site = ceiling_site(0);
     struct gather_cluster_rays clusters;
     struct gather_near *near = &clusters.near;
@@ -144,6 +187,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hits_within_a_few_radii_are_near),
         cmocka_unit_test(positions_hidden_from_the_site_are_sampled),
+        cmocka_unit_test(second_bounces_find_the_spot),
+        cmocka_unit_test(bounces_from_large_lookups_find_the_spot),
         cmocka_unit_test(weights_are_unbiased),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

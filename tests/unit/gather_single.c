@@ -13,6 +13,7 @@ static void gather_single_start(struct spot_room *f) {
     satin_options options = satin_options_default;
     options.first_pass = SATIN_FIRST_NONE;
     options.max_depth = -1;
+    options.photons = 0;
     spot_room_make(f, GATHER_SINGLE_HALF_ANGLE, options, RAYS_HEMISPHERE, 0);
 }
 

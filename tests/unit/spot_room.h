@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cube whose light all comes from a small spot of light on its ceiling, without photons of the
-// global map: for tests of gather rays to photon clusters.
+// A cube whose light all comes from a small spot of light on its ceiling: for tests of gather rays
+// to photon clusters.
 #ifndef SPOT_ROOM_H
 #define SPOT_ROOM_H
 
@@ -24,7 +24,8 @@ struct spot_room {
 };
 
 // Sets the `half_angle` of the beam, and makes a hemisphere of `rays` for harmonics of `order`, or
-// for irradiance if it is 0. max_depth and the first pass are those of `options`.
+// for irradiance if it is 0. max_depth, the first pass and the number of photons of the global map
+// are those of `options`.
 static inline void spot_room_make(struct spot_room *f, float half_angle, satin_options options,
                                   int rays, int order) {
     test_scene_init(&f->scene);
@@ -39,7 +40,7 @@ static inline void spot_room_make(struct spot_room *f, float half_angle, satin_o
     test_light(&f->scene, spot);
     test_scene_finish(&f->scene);
     f->options = options;
-    f->options.photons = f->options.caustic_photons = 0;
+    f->options.caustic_photons = 0;
     f->pool = parallel_new(2);
     assert_non_null(f->pool);
     struct stats stats = {0};
