@@ -6,7 +6,7 @@
 #include "apps/app.h"
 #include "film/film.h"
 
-enum { FLAG_JSON, FLAG_MASK, FLAG_HELP };
+enum { COMPARE_FLAG_JSON, COMPARE_FLAG_MASK, COMPARE_FLAG_HELP };
 
 const struct app_flag app_compare_flags[] = {
     {"--json", NULL, NULL, "Prints one JSON object."},
@@ -70,9 +70,9 @@ int app_compare(int argc, char **argv) {
     int count = 0, flag;
     while ((flag = app_args_next(&args, app_compare_flags, NULL, &value)) != APP_END) {
         if (flag == APP_BAD) return APP_WRONG;
-        if (flag == FLAG_HELP) return app_help(1, (char *[]){"compare"});
-        if (flag == FLAG_JSON) json = true;
-        if (flag == FLAG_MASK) mask = true;
+        if (flag == COMPARE_FLAG_HELP) return app_help(1, (char *[]){"compare"});
+        if (flag == COMPARE_FLAG_JSON) json = true;
+        if (flag == COMPARE_FLAG_MASK) mask = true;
         if (flag == APP_POSITIONAL && count < 2) path[count] = value;
         count += flag == APP_POSITIONAL;
     }

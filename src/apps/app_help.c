@@ -5,7 +5,7 @@
 #include "apps/app.h"
 #include "base/text.h"
 
-enum { FLAG_MARKDOWN, FLAG_HELP };
+enum { HELP_FLAG_MARKDOWN, HELP_FLAG_HELP };
 enum { HELP_COLUMNS = 88 };  // columns of wrapped text
 
 const struct app_flag app_help_flags[] = {
@@ -175,8 +175,8 @@ int app_help(int argc, char **argv) {
     int flag;
     while ((flag = app_args_next(&args, app_help_flags, NULL, &value)) != APP_END) {
         if (flag == APP_BAD) return APP_WRONG;
-        if (flag == FLAG_MARKDOWN) markdown = true;
-        if (flag == FLAG_HELP) topic = "help";
+        if (flag == HELP_FLAG_MARKDOWN) markdown = true;
+        if (flag == HELP_FLAG_HELP) topic = "help";
         if (flag == APP_POSITIONAL && second)
             return app_wrong("help takes one topic, or an element and its plugin");
         if (flag == APP_POSITIONAL && topic) second = value;

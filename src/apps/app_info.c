@@ -11,7 +11,7 @@
 #include "cache/cache.h"
 #include "film/film.h"
 
-enum { FLAG_DEFINE, FLAG_HELP };
+enum { INFO_FLAG_DEFINE, INFO_FLAG_HELP };
 
 const struct app_flag app_info_flags[] = {
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
@@ -85,14 +85,14 @@ static int read_info_arguments(struct app_args *args, satin_define *define, size
         int flag = app_args_next(args, app_info_flags, NULL, &value);
         if (flag == APP_END) break;
         if (flag == APP_BAD) return APP_WRONG;
-        if (flag == FLAG_HELP) {
+        if (flag == INFO_FLAG_HELP) {
             *path = NULL;
             return app_help(1, (char *[]){"info"});
         }
-        if (flag == FLAG_DEFINE &&
+        if (flag == INFO_FLAG_DEFINE &&
             !app_args_split(value, &define[*defines].name, &define[*defines].value))
             return app_wrong("-D needs NAME=VALUE, not '%s'", value);
-        *defines += flag == FLAG_DEFINE;
+        *defines += flag == INFO_FLAG_DEFINE;
         if (flag == APP_POSITIONAL && *path) return app_wrong("info takes one file");
         if (flag == APP_POSITIONAL) *path = value;
     }

@@ -9,7 +9,7 @@
 #include "apps/app.h"
 #include "film/film.h"
 
-enum { FLAG_OUTPUT, FLAG_HELP };
+enum { MAPS_FLAG_OUTPUT, MAPS_FLAG_HELP };
 
 const struct app_flag app_maps_flags[] = {
     {"--output", "-o", "DIR", "The folder of the pictures; made if it is not there."},
@@ -98,8 +98,8 @@ int app_maps(int argc, char **argv) {
     int flag;
     while ((flag = app_args_next(&args, app_maps_flags, NULL, &value)) != APP_END) {
         if (flag == APP_BAD) return APP_WRONG;
-        if (flag == FLAG_HELP) return app_help(1, (char *[]){"maps"});
-        if (flag == FLAG_OUTPUT) folder = value;
+        if (flag == MAPS_FLAG_HELP) return app_help(1, (char *[]){"maps"});
+        if (flag == MAPS_FLAG_OUTPUT) folder = value;
         if (flag == APP_POSITIONAL && image) return app_wrong("maps takes one image");
         if (flag == APP_POSITIONAL) image = value;
     }

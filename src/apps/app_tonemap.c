@@ -8,7 +8,13 @@
 #include "apps/app.h"
 #include "satin/film.h"
 
-enum { FLAG_OUTPUT, FLAG_EXPOSURE, FLAG_TONEMAP, FLAG_LAYER, FLAG_HELP };
+enum {
+    TONEMAP_FLAG_OUTPUT,
+    TONEMAP_FLAG_EXPOSURE,
+    TONEMAP_FLAG_TONEMAP,
+    TONEMAP_FLAG_LAYER,
+    TONEMAP_FLAG_HELP
+};
 
 const struct app_flag app_tonemap_flags[] = {
     {"--output", "-o", "OUT.png", "The picture."},
@@ -64,11 +70,11 @@ int app_tonemap(int argc, char **argv) {
     while ((flag = app_args_next(&args, app_tonemap_flags, NULL, &value)) != APP_END) {
         int result = APP_DONE;
         if (flag == APP_BAD) return APP_WRONG;
-        if (flag == FLAG_HELP) return app_help(1, (char *[]){"tonemap"});
-        if (flag == FLAG_OUTPUT) path = value;
-        if (flag == FLAG_LAYER) tonemap.layer = value;
-        if (flag == FLAG_EXPOSURE) result = app_take_exposure(value, &tonemap);
-        if (flag == FLAG_TONEMAP) result = app_take_tonemap(value, &tonemap);
+        if (flag == TONEMAP_FLAG_HELP) return app_help(1, (char *[]){"tonemap"});
+        if (flag == TONEMAP_FLAG_OUTPUT) path = value;
+        if (flag == TONEMAP_FLAG_LAYER) tonemap.layer = value;
+        if (flag == TONEMAP_FLAG_EXPOSURE) result = app_take_exposure(value, &tonemap);
+        if (flag == TONEMAP_FLAG_TONEMAP) result = app_take_tonemap(value, &tonemap);
         if (flag == APP_POSITIONAL && image) return app_wrong("tonemap takes one image");
         if (flag == APP_POSITIONAL) image = value;
         if (result != APP_DONE) return result;

@@ -77,15 +77,15 @@ rgb burley_diffuse_albedo(const struct brdf *b, float cosine, float base, float 
           G = 1.0f - F;
     int i = x < (float)(BURLEY_SIZE - 2) ? (int)x : BURLEY_SIZE - 2;
     x -= (float)i;
-#define AT(name) lerpf(t->name[i], t->name[i + 1], x)
+#define ROW_AT(name) lerpf(t->name[i], t->name[i + 1], x)
     // The mean of 1 - Fi / 2 is 41 / 42.
     float f = (1.0f - 0.5f * F) * (41.0f / 42.0f) +
-              2.0f * r * (F * AT(c) + G * AT(cF) + 2.0f * r * F * AT(c2F));
+              2.0f * r * (F * ROW_AT(c) + G * ROW_AT(cF) + 2.0f * r * F * ROW_AT(c2F));
     if (b->flatness > 0.0f) {
-        float S = G * AT(wG) + r * (G * AT(wcF) + F * AT(wcG) + r * F * AT(wc2F));
+        float S = G * ROW_AT(wG) + r * (G * ROW_AT(wcF) + F * ROW_AT(wcG) + r * F * ROW_AT(wc2F));
         f = lerpf(f, 1.25f * (S + 0.5f), b->flatness);
     }
     rgb albedo = rgb_scale(b->diffuse, base * f);
-    return rgb_mad(albedo, sheen_color(b), sheen * PI_F * AT(sheen));
-#undef AT
+    return rgb_mad(albedo, sheen_color(b), sheen * PI_F * ROW_AT(sheen));
+#undef ROW_AT
 }

@@ -12,7 +12,7 @@
 enum {
     ENTRY_SAMPLES = 8,  // of the lights at an entry: with 4, means of single images were .5 % off
                         // in a room lit through a door; 16 gain nothing
-    CHUNK = 64          // entries per chunk
+    LIT_ENTRIES_CHUNK = 64  // entries per chunk
 };
 
 // How much direct light may differ between neighbouring entries: as a fraction of all light there,
@@ -112,8 +112,8 @@ satin_status gather_direct_build(const struct gather *g, struct parallel *pool,
     satin_status status = SATIN_OK;
     if (!direct.E || !direct.similar || !noise2)
         status = SATIN_ERROR_MEMORY;
-    else if (!parallel_for(pool, direct.count, CHUNK, light_entries, &job) ||
-             !parallel_for(pool, direct.count, CHUNK, compare_entries, &job))
+    else if (!parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, light_entries, &job) ||
+             !parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &job))
         status = SATIN_CANCELLED;
     free(noise2);
     if (status == SATIN_OK)

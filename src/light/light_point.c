@@ -156,15 +156,16 @@ float light_point_power(const struct light *light, vec3 d, rgb *color, float *pd
 
 // The mean emitted power over a grid of the random numbers.
 static float mean_power(const struct light *light) {
-    enum { GRID = 64 };
+    enum { PROFILE_GRID = 64 };
     double sum = 0.0;
-    for (int i = 0; i < GRID * GRID; i++) {
-        float u = ((float)(i / GRID) + 0.5f) / GRID, v = ((float)(i % GRID) + 0.5f) / GRID, pdf_w;
+    for (int i = 0; i < PROFILE_GRID * PROFILE_GRID; i++) {
+        float u = ((float)(i / PROFILE_GRID) + 0.5f) / PROFILE_GRID,
+              v = ((float)(i % PROFILE_GRID) + 0.5f) / PROFILE_GRID, pdf_w;
         rgb color;
         float power = light_point_power(light, light_point_direction(light, u, v), &color, &pdf_w);
         sum += (double)(power * rgb_luminance(color));
     }
-    return (float)(sum / (GRID * GRID));
+    return (float)(sum / (PROFILE_GRID * PROFILE_GRID));
 }
 
 void light_point_prepare(struct light *light) {

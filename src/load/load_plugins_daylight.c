@@ -6,7 +6,7 @@
 #include "load/load_build.h"
 #include "load/load_state.h"
 
-#define NUMBER(id, text, value, in, about) \
+#define DAYLIGHT_NUMBER(id, text, value, in, about) \
     static const struct param_spec id = {text, PARAM_FLOAT, value, in, 0, NULL, about}
 #define WHOLE(id, text, value, about) \
     static const struct param_spec id = {text, PARAM_INTEGER, value, RANGE_POSITIVE, 0, NULL, about}
@@ -14,8 +14,8 @@
 // Ground of version 0.6, where none is given.
 #define MITSUBA06_ALBEDO 0.15f
 
-NUMBER(turbidity, "turbidity", "3", RANGE_POSITIVE,
-       "The turbidity of the air, 1 to 10: 2 is very clear, 10 hazy.");
+DAYLIGHT_NUMBER(turbidity, "turbidity", "3", RANGE_POSITIVE,
+                "The turbidity of the air, 1 to 10: 2 is very clear, 10 hazy.");
 static const struct param_spec ground = {
     "albedo",
     PARAM_COLOR,
@@ -32,22 +32,24 @@ static const struct param_spec sunsky_direction = {
     0,
     NULL,
     "The direction to the sun in world space, instead of date, time and position."};
-NUMBER(latitude, "latitude", "35.6894", 0, "The latitude in degrees, positive to the north.");
-NUMBER(longitude, "longitude", "139.6917", 0, "The longitude in degrees, positive to the east.");
-NUMBER(timezone, "timezone", "9", 0, "The hours that local time is ahead of UTC.");
+DAYLIGHT_NUMBER(latitude, "latitude", "35.6894", 0,
+                "The latitude in degrees, positive to the north.");
+DAYLIGHT_NUMBER(longitude, "longitude", "139.6917", 0,
+                "The longitude in degrees, positive to the east.");
+DAYLIGHT_NUMBER(timezone, "timezone", "9", 0, "The hours that local time is ahead of UTC.");
 WHOLE(year, "year", "2010", "The year of the date.");
 WHOLE(month, "month", "7", "The month, 1 to 12.");
 WHOLE(day, "day", "10", "The day, 1 to 31.");
-NUMBER(hour, "hour", "15", RANGE_NOT_NEGATIVE, "The hour of local time.");
-NUMBER(minute, "minute", "0", RANGE_NOT_NEGATIVE, "The minute of local time, 0 to 60.");
-NUMBER(second, "second", "0", RANGE_NOT_NEGATIVE, "The second of local time, 0 to 60.");
-NUMBER(scale, "scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky and the sun.");
-NUMBER(sky_scale, "sky_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky.");
-NUMBER(sun_scale, "sun_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sun.");
-NUMBER(sun_aperture, "sun_aperture", "0.5358", RANGE_POSITIVE,
-       "The angle that the sun subtends, in degrees. Its power does not depend on it.");
-NUMBER(sun_radius, "sun_radius_scale", "1", RANGE_POSITIVE,
-       "A factor of the sun's radius, as in version 0.6.");
+DAYLIGHT_NUMBER(hour, "hour", "15", RANGE_NOT_NEGATIVE, "The hour of local time.");
+DAYLIGHT_NUMBER(minute, "minute", "0", RANGE_NOT_NEGATIVE, "The minute of local time, 0 to 60.");
+DAYLIGHT_NUMBER(second, "second", "0", RANGE_NOT_NEGATIVE, "The second of local time, 0 to 60.");
+DAYLIGHT_NUMBER(scale, "scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky and the sun.");
+DAYLIGHT_NUMBER(sky_scale, "sky_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky.");
+DAYLIGHT_NUMBER(sun_scale, "sun_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sun.");
+DAYLIGHT_NUMBER(sun_aperture, "sun_aperture", "0.5358", RANGE_POSITIVE,
+                "The angle that the sun subtends, in degrees. Its power does not depend on it.");
+DAYLIGHT_NUMBER(sun_radius, "sun_radius_scale", "1", RANGE_POSITIVE,
+                "A factor of the sun's radius, as in version 0.6.");
 static const struct param_spec complex_sun = {
     "complex_sun",
     PARAM_BOOLEAN,
@@ -64,8 +66,8 @@ static const struct param_spec to_world = {
     0,
     NULL,
     "The transform of the sky. Before it, z is up; in files of version 0.6, y."};
-NUMBER(sampling_weight, "sampling_weight", "1", RANGE_NOT_NEGATIVE,
-       "It has no effect: lights are chosen by power.");
+DAYLIGHT_NUMBER(sampling_weight, "sampling_weight", "1", RANGE_NOT_NEGATIVE,
+                "It has no effect: lights are chosen by power.");
 
 static const struct param_spec *const daylight[] = {
     &turbidity,    &ground,          &sunsky_direction,

@@ -6,7 +6,7 @@
 
 #include "load/load_state.h"
 
-enum { NESTING_MAX = 8 };
+enum { INTEGRATOR_NESTING_MAX = 8 };
 
 static const struct param_spec max_depth = {
     "max_depth",
@@ -134,7 +134,7 @@ static satin_status read_inner(struct load_state *loader, struct xml_node *node,
     struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at);
     if (!inner) return SATIN_OK;
     struct xml_node *another = at;
-    if (depth == NESTING_MAX)
+    if (depth == INTEGRATOR_NESTING_MAX)
         log_error_at(loader->log, at->place, "integrators are nested too deep");
     else if (params_child(&loader->xml, node, XML_INTEGRATOR, &another))
         log_error_at(loader->log, another->place, "integrator '%s': it takes one integrator",

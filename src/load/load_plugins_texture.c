@@ -8,7 +8,7 @@
 #include "base/array.h"
 #include "load/load_state.h"
 
-enum { NESTING_MAX = 8 };  // of checkerboards: visiting all textures in one takes 2^8 steps
+enum { TEXTURE_NESTING_MAX = 8 };  // of checkerboards: visiting all textures in one takes 2^8 steps
 
 static const char *const filters[] = {"bilinear", "nearest", NULL};
 static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
@@ -332,7 +332,8 @@ static satin_status build_texture(struct load_state *loader, struct xml_node *no
 
 satin_status load_texture_of(struct load_state *loader, struct xml_node *node,
                              const struct texture **out) {
-    if (loader->texture_depth + (node->texture ? node->texture->nesting : 0) > NESTING_MAX) {
+    if (loader->texture_depth + (node->texture ? node->texture->nesting : 0) >
+        TEXTURE_NESTING_MAX) {
         log_error_at(loader->log, node->place,
                      "textures are nested too deep, or contain themselves");
         return SATIN_ERROR_INPUT;

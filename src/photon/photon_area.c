@@ -11,7 +11,7 @@
 
 // In units of the disc's radius r.
 // Of the rays along the surface: above ripples, and below objects that stand on it.
-#define HEIGHT 0.1f
+#define AREA_HEIGHT 0.1f
 #define DEPTH 0.35f      // how far the surface may curve below the tangent plane
 #define EXTENT_MIN .02f  // limits 1 / extent
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
@@ -57,7 +57,7 @@ static float extent(const struct probe *probe, vec3 w) {
 static struct probe probe_make(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
     struct ray up = scene_spawn(scene, p, n, n);
     // In a gap lower than that, rays are at half its height.
-    float height = HEIGHT * r, clearance = clear_distance(scene, up.o, n, 2.0f * height);
+    float height = AREA_HEIGHT * r, clearance = clear_distance(scene, up.o, n, 2.0f * height);
     if (clearance < 2.0f * height) height = 0.5f * clearance;
     return (struct probe){scene, v3_mad(up.o, height, n), n, height, r};
 }

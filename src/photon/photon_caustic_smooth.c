@@ -22,12 +22,12 @@ enum {
     STRIDE = 16,       // entries per site
     STRIDE_WIDER = 4,  // sites per site of the next wider surroundings
     SITES_LEAST = 128,
-    CHUNK = 64
+    SMOOTH_CHUNK = 64
 };
 #define ASIDE 1.2f  // least distance of a site from its photon, in radii of its disc
 #define ASIDE_MOST 1.7f
 // Above the surface, in units of that distance, from where the site is searched.
-#define HEIGHT 0.1f
+#define SMOOTH_HEIGHT 0.1f
 // Fraction of the variance left in a plane; small, but not 1 / n, as discs overlap.
 #define NOISE_LEFT 0.16f
 
@@ -72,8 +72,8 @@ static bool find_position(const struct estimating *job, size_t site, vec3 *p, ve
     const float aside = r->radius[entry] * sqrtf(least2 + (most2 - least2) * rng_float(&rng));
     vec3 above =
         v3_mad(photon_entry_position(&r->position, entry), aside * cosf(rotation), frame.u);
-    above = v3_mad(v3_mad(above, aside * sinf(rotation), frame.v), HEIGHT * aside, *n);
-    const struct ray down = {above, 0.0f, v3_neg(*n), 2.0f * HEIGHT * aside};
+    above = v3_mad(v3_mad(above, aside * sinf(rotation), frame.v), SMOOTH_HEIGHT * aside, *n);
+    const struct ray down = {above, 0.0f, v3_neg(*n), 2.0f * SMOOTH_HEIGHT * aside};
     struct interaction s;
     if (!scene_intersect_whole(scene, &down, &s)) return false;
     *p = s.p;
@@ -163,8 +163,8 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
     if (plane && (sites->index || parallel_stopped(pool))) status = SATIN_CANCELLED;
     if (!plane || !sites->index) goto end;
     struct photon_fitting fitting = {scene, sites, plane};
-    if (!parallel_for(pool, sites->count, CHUNK, photon_fit_planes, &fitting)) goto end;
-    if (!parallel_for(pool, sites->count, CHUNK, photon_evaluate_planes, &fitting)) goto end;
+    if (!parallel_for(pool, sites->count, SMOOTH_CHUNK, photon_fit_planes, &fitting)) goto end;
+    if (!parallel_for(pool, sites->count, SMOOTH_CHUNK, photon_evaluate_planes, &fitting)) goto end;
     memcpy(sites->value, plane, sites->count * sizeof *plane);
     if (sites->count / STRIDE_WIDER >= SITES_LEAST) {
         struct photon_sites wider;
@@ -175,8 +175,9 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
         if (status != SATIN_OK) goto end;
     }
     struct photon_reading reading = {scene, sites, position, value};
-    status =
-        parallel_for(pool, count, CHUNK, photon_read_planes, &reading) ? SATIN_OK : SATIN_CANCELLED;
+    status = parallel_for(pool, count, SMOOTH_CHUNK, photon_read_planes, &reading)
+                 ? SATIN_OK
+                 : SATIN_CANCELLED;
 end:
     free(plane);
     return status;
@@ -191,7 +192,7 @@ satin_status photon_caustic_smooth(const struct photon_precompute *what, struct 
     if (sites_make(count, irradiance->position.scale, &sites)) {
         struct estimating job = {.what = what, .irradiance = irradiance, .sites = &sites};
         atomic_init(&job.failed, false);
-        if (!parallel_for(pool, count, CHUNK, estimate_sites, &job))
+        if (!parallel_for(pool, count, SMOOTH_CHUNK, estimate_sites, &job))
             status = SATIN_CANCELLED;
         else if (!atomic_load(&job.failed))
             status = SATIN_OK;

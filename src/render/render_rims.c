@@ -11,8 +11,8 @@
 #include "render/render_image.h"
 
 enum {
-    CHUNK = 64,     // pixels per chunk of rays
-    CHUNK_ROWS = 8  // rows per chunk of the search
+    RIMS_CHUNK = 64,  // pixels per chunk of rays
+    CHUNK_ROWS = 8    // rows per chunk of the search
 };
 
 // Emission that varies by less than this fraction, such as that of a sky, is smooth.
@@ -102,7 +102,7 @@ satin_status render_rims(struct render *r, bool *whole) {
     find_rims(&rims);
     if (image->rim_rays == 0 && rims.count > 0)
         image->rim_rays = render_budget_rim_rays(&r->second_pass.options, pixels, rims.count);
-    *whole = parallel_for(r->pool, rims.count, CHUNK, trace_rims, &rims);
+    *whole = parallel_for(r->pool, rims.count, RIMS_CHUNK, trace_rims, &rims);
     stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);
     free(rims.found);

@@ -106,18 +106,18 @@ INLINE void exchange_pairs(int pairs, int channels, const struct batch_exchange 
 }
 
 // One function per shape: inlined into one function, they would leave too few registers.
-#define SHAPE(name, pairs, channels)                                                               \
+#define BATCH_SHAPE(name, pairs, channels)                                                         \
     static __attribute__((noinline)) void exchange_##name(const struct batch_exchange *e, int m) { \
         exchange_pairs(pairs, channels, e, m);                                                     \
     }
-SHAPE(one_1, 1, 1)
-SHAPE(one_2, 2, 1)
-SHAPE(one_3, 3, 1)
-SHAPE(one_4, 4, 1)
-SHAPE(three_1, 1, 3)
-SHAPE(three_2, 2, 3)
-SHAPE(three_most, PAIRS_OF_THREE, 3)
-#undef SHAPE
+BATCH_SHAPE(one_1, 1, 1)
+BATCH_SHAPE(one_2, 2, 1)
+BATCH_SHAPE(one_3, 3, 1)
+BATCH_SHAPE(one_4, 4, 1)
+BATCH_SHAPE(three_1, 1, 3)
+BATCH_SHAPE(three_2, 2, 3)
+BATCH_SHAPE(three_most, PAIRS_OF_THREE, 3)
+#undef BATCH_SHAPE
 
 INLINE void exchange_some(int pairs, int channels, const struct batch_exchange *e, int m) {
     if (pairs == 1)

@@ -11,7 +11,7 @@
 #include "rsh/rsh_kernel.h"
 
 // Channels that are converted at once, as many as the rotation kernels process together.
-enum { BLOCK = 3 };
+enum { HEMISPHERE_BLOCK = 3 };
 
 int rsh_sphere_order(int order) { return order + 2 < RSH_MAX_ORDER ? order + 2 : RSH_MAX_ORDER; }
 
@@ -52,10 +52,11 @@ bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, floa
 static void align_through_sphere(const struct rsh_rotation *t, bool transposed, int order,
                                  int channels, const float *in, float *out) {
     // Not in place: the loads of a band would wait for the masked stores of the band before it.
-    float sphere[BLOCK * RSH_MAX_COEFFICIENTS], rotated[BLOCK * RSH_MAX_COEFFICIENTS];
+    float sphere[HEMISPHERE_BLOCK * RSH_MAX_COEFFICIENTS],
+        rotated[HEMISPHERE_BLOCK * RSH_MAX_COEFFICIENTS];
     int n = order * order, larger = rsh_sphere_order(order);
-    for (int c = 0; c < channels; c += BLOCK) {
-        int block = channels - c < BLOCK ? channels - c : BLOCK;
+    for (int c = 0; c < channels; c += HEMISPHERE_BLOCK) {
+        int block = channels - c < HEMISPHERE_BLOCK ? channels - c : HEMISPHERE_BLOCK;
         if (transposed)
             rsh_hemi_restrict_transposed(order, block, in + c * n, sphere);
         else

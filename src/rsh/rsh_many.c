@@ -10,7 +10,7 @@
 #include "rsh/rsh_kernel.h"
 
 // Channels that are rotated at once, as many as the kernels process together.
-enum { BLOCK = 3, SCRATCH = BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
+enum { MANY_BLOCK = 3, SCRATCH = MANY_BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
 
 // The operation that one call applies to every record.
 struct many_job {
@@ -23,7 +23,7 @@ struct many_job {
     bool transposed;
 };
 
-// A vector of records with up to BLOCK `channels`; its coefficients are `stride` apart.
+// A vector of records with up to MANY_BLOCK `channels`; its coefficients are `stride` apart.
 struct channel_block {
     int channels;
     size_t stride;
@@ -88,9 +88,9 @@ static void rotate_vector(const struct many_job *j, const float r[9][RSH_MAX_WID
         rotations[1].method = RSH_METHOD_TAYLOR_2;
     }
     size_t n = (size_t)(j->order * j->order) * stride;
-    for (int c = 0; c < j->channels; c += BLOCK, in += BLOCK * n, out += BLOCK * n) {
-        const struct channel_block p = {j->channels - c < BLOCK ? j->channels - c : BLOCK, stride,
-                                        in, out};
+    for (int c = 0; c < j->channels; c += MANY_BLOCK, in += MANY_BLOCK * n, out += MANY_BLOCK * n) {
+        const struct channel_block p = {j->channels - c < MANY_BLOCK ? j->channels - c : MANY_BLOCK,
+                                        stride, in, out};
         if (count == 0)
             rotate_exactly(j, &rotations[0], &p);
         else if (count == width)
@@ -108,8 +108,8 @@ static void rotate_tail(const struct many_job *j, const float r[9][RSH_MAX_WIDTH
     size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order);
     struct many_job one = *j;
     for (int c = 0; c < j->channels;
-         c += BLOCK, in += BLOCK * n * count, out += BLOCK * n * count) {
-        one.channels = j->channels - c < BLOCK ? j->channels - c : BLOCK;
+         c += MANY_BLOCK, in += MANY_BLOCK * n * count, out += MANY_BLOCK * n * count) {
+        one.channels = j->channels - c < MANY_BLOCK ? j->channels - c : MANY_BLOCK;
         size_t rows = n * (size_t)one.channels;
         for (size_t k = 0; k < rows; k++)
             for (size_t i = 0; i < width; i++)

@@ -164,16 +164,16 @@ INLINE void mix_sums(rsh_basis basis, int order, int channels, int second, const
 }
 
 // One function per shape: inlined into one function, they would leave too few registers.
-#define SHAPE(name, channels, set)                                                      \
+#define PROJECT_SHAPE(name, channels, set)                                              \
     static __attribute__((noinline))                                                    \
     vf *project_##name(int order, int first, int end, struct project_run *r, vf *sum) { \
         return project_set(order, channels, set, first, end, r, sum);                   \
     }
-SHAPE(one, 1, 0)
-SHAPE(one_more, 1, 1)
-SHAPE(three, 3, 0)
-SHAPE(three_more, 3, 1)
-#undef SHAPE
+PROJECT_SHAPE(one, 1, 0)
+PROJECT_SHAPE(one_more, 1, 1)
+PROJECT_SHAPE(three, 3, 0)
+PROJECT_SHAPE(three_more, 3, 1)
+#undef PROJECT_SHAPE
 
 INLINE void project_run(int order, int channels, int second, struct project_run *r, vf *sums) {
     if (channels == 1)

@@ -11,9 +11,9 @@
 
 // Channels that are rotated at once, as many as the registers hold. They load the same tables.
 #if defined(__AVX512F__)
-enum { BLOCK = 3 };
+enum { LANES_BLOCK = 3 };
 #else
-enum { BLOCK = 1 };
+enum { LANES_BLOCK = 1 };
 #endif
 
 struct multiple_angle {
@@ -64,8 +64,8 @@ INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span
                            int block, lanes *even, lanes *odd) {
     const struct rsh_lane_step *step = rsh_lane_steps + span.offset;
     indices source = indices_load(g->source[direction]), other = indices_opposite(source);
-    lanes a[BLOCK], b[BLOCK], p = lanes_load(step->factor[direction][0]),
-                              q = lanes_load(step->factor[direction][1]);
+    lanes a[LANES_BLOCK], b[LANES_BLOCK], p = lanes_load(step->factor[direction][0]),
+                                          q = lanes_load(step->factor[direction][1]);
     for (int c = 0; c < block; c++) {
         a[c] = lanes_mul(lanes_within(even[c], source), p);
         b[c] = lanes_mul(lanes_opposite(odd[c], other), q);
@@ -130,7 +130,7 @@ INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
     in += span.first;
     out += span.first;
     struct multiple_angle gamma = lane_multiples(g, 0, angles->gamma);
-    lanes even[BLOCK], odd[BLOCK];
+    lanes even[LANES_BLOCK], odd[LANES_BLOCK];
     for (int c = 0; c < block; c++) {
         struct lanes_source source = lanes_source(in + c * n, count);
         even[c] = lanes_gather(source, indices_load(g->even));
@@ -181,8 +181,9 @@ void GLUE(rsh_rotate_lanes_, RSH_NAME)(const struct rsh_rotation *t, int order, 
     // The exchange reverses the sense: a rotation about y by beta is one about z by -beta between
     // two exchanges.
     if (t->method == RSH_METHOD_EXACT) a.beta = multiples(t->cos_beta, -t->sin_beta, wide);
-    for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
-        rotate_lane_channels(t, &a, order, BLOCK, in, out);
+    for (; channels >= LANES_BLOCK;
+         channels -= LANES_BLOCK, in += LANES_BLOCK * n, out += LANES_BLOCK * n)
+        rotate_lane_channels(t, &a, order, LANES_BLOCK, in, out);
     for (; channels > 0; channels--, in += n, out += n)
         rotate_lane_channels(t, &a, order, 1, in, out);
 }

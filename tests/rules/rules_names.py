@@ -4,9 +4,11 @@
 static objects (constants and tables), tags of structs, unions and enums, and what is in the
 anonymous namespaces of C++ name one thing, so that a search or a back-trace leads to one
 definition. Objects inside functions are exempt: they are local variables that happen to be
-constant, which no back-trace names and a debugger shows after their function. Checks also that
-constants of one name have one value in all files of src; and that an option has one name, that of
-its field in satin_options, in the table of options, in docs/options.md and in the glossary.
+constant, which no back-trace names and a debugger shows after their function. Enumerators and
+macros are unique in src and include; in tests and benches, which are programs of one file, they may
+recur, as N and ORDER. Checks also that constants of one name have one value in all files of src;
+and that an option has one name, that of its field in satin_options, in the table of options, in
+docs/options.md and in the glossary.
 
 Usage: rules_names.py TREE
 """
@@ -40,6 +42,30 @@ CONSTANTS = re.compile(r"^(?:    )?(?:static )?const (?:float|double|int|size_t|
                        re.MULTILINE | re.DOTALL)
 CONSTANT = re.compile(r"\b([A-Z][A-Z0-9_]*[A-Z0-9])(?:\[\w*\])? ?=\s*([^,;{}]+|\{[^}]*\})")
 MACRO = re.compile(r"^#define ([A-Z][A-Z0-9_]*) (?!\\)(\S[^\n]*)", re.MULTILINE)
+
+
+# Every name of an enumeration, and every macro.
+ENUMERATION = re.compile(r"\benum(?: \w+)? \{(.*?)\}", re.DOTALL)
+ENUMERATOR = re.compile(r"(?:^|,)\s*([A-Za-z_]\w*)")
+ANY_MACRO = re.compile(r"^#\s*define (\w+)", re.MULTILINE)
+
+
+def wrong_enumerators(tree):
+    """Enumerators and macros that two files of src or include define."""
+    files = collections.defaultdict(set)
+    for path in sorted(p for f in ("include", "src") for p in (tree / f).rglob("*")
+                       if p.suffix in CODE):
+        text = re.sub(r"//[^\n]*", "", path.read_text(encoding="utf-8"))
+        for body in ENUMERATION.findall(text):
+            for name in ENUMERATOR.findall(body):
+                files[name].add(path.name)
+        for name in ANY_MACRO.findall(text):
+            files[name].add(path.name)
+    for name, where in sorted(files.items()):
+        if len(where) > 1:
+            yield f"{name} is defined in {' and '.join(sorted(where))}"
+    if len(files) < 500:
+        yield "enumerators and macros are not found"
 
 
 def constants(path):
@@ -143,6 +169,7 @@ def main():
               for name in sorted(TO_DO - found.keys())]
     wrong += wrong_options(tree)
     wrong += wrong_constants(tree)
+    wrong += wrong_enumerators(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0
 
