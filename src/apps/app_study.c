@@ -3,7 +3,7 @@
 #include "apps/app.h"
 #include "study/study.h"
 
-enum { FLAG_OUTPUT, FLAG_LIST, FLAG_QUIET, FLAG_HELP };
+enum { STUDY_FLAG_OUTPUT, STUDY_FLAG_LIST, STUDY_FLAG_QUIET, STUDY_FLAG_HELP };
 
 const struct app_flag app_study_flags[] = {
     {"--output", "-o", "DIR",
@@ -36,10 +36,10 @@ int app_study(int argc, char **argv) {
     int flag;
     while ((flag = app_args_next(&args, app_study_flags, NULL, &value)) != APP_END) {
         if (flag == APP_BAD) return APP_WRONG;
-        if (flag == FLAG_HELP) return app_help(1, (char *[]){"study"});
-        if (flag == FLAG_OUTPUT) request.folder = value;
-        if (flag == FLAG_LIST) request.dry = true;
-        if (flag == FLAG_QUIET) quiet = true;
+        if (flag == STUDY_FLAG_HELP) return app_help(1, (char *[]){"study"});
+        if (flag == STUDY_FLAG_OUTPUT) request.folder = value;
+        if (flag == STUDY_FLAG_LIST) request.dry = true;
+        if (flag == STUDY_FLAG_QUIET) quiet = true;
         if (flag == APP_POSITIONAL && request.file) return app_wrong("study takes one file");
         if (flag == APP_POSITIONAL) request.file = value;
     }
