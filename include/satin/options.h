@@ -19,7 +19,8 @@ typedef enum satin_integrator {
     SATIN_TWO_PASS = 0,  // photon map, then cached final gathering
     SATIN_PATH,          // path tracing, the reference
     SATIN_DIRECT,        // emitted and direct light only, through ideal specular chains
-    SATIN_PHOTONS        // direct view of the photon map
+    SATIN_PHOTONS,       // direct view of the photon map
+    SATIN_SPPM           // stochastic progressive photon mapping, which converges to the truth
 } satin_integrator;
 
 typedef enum satin_quality { SATIN_DRAFT = 0, SATIN_PREVIEW, SATIN_PRODUCTION } satin_quality;

@@ -132,6 +132,11 @@ float brdf_bump_glossy(const struct brdf *b, vec3 wo) {
     return has_bump(b) ? bump_shadowing(b, mirror, mirror) : 1.0f;
 }
 
+bool brdf_is_sharp(const struct brdf *b, vec3 wo, vec3 wi, float most) {
+    if (!(most < INFINITY) || !(b->model->lobes & BRDF_GLOSSY)) return false;
+    return brdf_pdf(b, wo, wi, BRDF_GLOSSY) > most;
+}
+
 // Evaluates `lobes`, from smooth_lobes and not 0.
 static rgb eval_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
                        enum brdf_mode mode) {

@@ -226,6 +226,9 @@ rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
 // The density over solid angle with which brdf_sample draws wi with the same lobes; 0 for delta
 // lobes.
 float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
+// Whether the glossy lobe, sampled alone, draws wi with a density over `most` [sr^-1]; not if that
+// is INFINITY, or if there is no such lobe.
+bool brdf_is_sharp(const struct brdf *b, vec3 wo, vec3 wi, float most);
 // Draws one direction from the selected lobes. False if nothing is reflected or the sample failed.
 bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
                  enum brdf_mode mode, struct brdf_sample *out);

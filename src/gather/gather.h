@@ -37,8 +37,9 @@ struct gather {
     const struct guide_clusters *clusters;      // of the maps; may be NULL
     const struct guide_visibility *visibility;  // of the lights; NULL: all are visible
     bool wide_lights;  // whether lights are so large that light sampling alone is noisy
-    const struct gather_direct *direct;  // NULL: there is none
-    float lookup_max;                    // photon lookups of a larger radius are not reliable
+    const struct gather_direct *direct;            // NULL: there is none
+    const struct photon_progressive *progressive;  // whose photons paths read; NULL: no photons
+    float lookup_max;  // photon lookups of a larger radius are not reliable
     // The records of the next indirect bounce; `gather` is NULL except in first pass `recursive`.
     struct gather_records next;
 };
@@ -51,6 +52,11 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
 // Whether indirect light is gathered: its paths have at least three segments.
 static inline bool gather_indirect(const satin_options *o) {
     return o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
+}
+
+// Whether samples of the image are paths, whose mean converges to the truth.
+static inline bool gather_traces_paths(const satin_options *o) {
+    return o->integrator == SATIN_PATH || o->integrator == SATIN_SPPM;
 }
 
 // ---- Direct light (gather_sample_lights.c) ------------------------------------------------------

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path tracing with MIS of light and BRDF sampling: the reference, and the first pass `path`.
-// Depths count path segments, as in Mitsuba 3; the longest path has max_depth segments.
+// Depths count path segments, as in Mitsuba 3; the longest path has max_depth segments. In
+// progressive photon mapping, paths read indirect light and caustics from photons, and continue in
+// the directions that these leave out.
 #include "gather/gather.h"
 
 // The largest probability of survival, so that no path between perfect mirrors is endless.
@@ -9,7 +11,8 @@ static const float ROULETTE_MAX = 0.95f;
 // The state of a path after its start.
 struct path_walk {
     struct ray ray;
-    rgb T;
+    rgb T;     // of direct light, which light samples can find too
+    rgb rest;  // of all other light: T, without directions whose light is from photons
     float eta;
     int depth;    // number of segments before the ray
     vec3 from;    // the last surface with smooth lobes on the path
@@ -21,13 +24,15 @@ struct path_walk {
 };
 
 // The emitted light that the ray hits, at a surface or from the environment, with its MIS weight
-// against light samples at the start of the chain.
+// against light samples at the start of the chain. *T is set to the throughput for it.
 static rgb emitted(const struct gather *g, const struct path_walk *walk,
-                   const struct interaction *hit) {
+                   const struct interaction *hit, rgb *T) {
     const vec3 d = walk->ray.d;
     rgb Le = light_chain_emitted(&walk->chain, g->scene, hit, d);
+    *T = walk->rest;
     if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;
     if (!light_chain_straight(&walk->chain, d)) return Le;
+    *T = walk->T;
     return rgb_scale(Le,
                      mis_power(walk->pdf_w, gather_light_pdf(g, walk->from, &walk->chain, hit)));
 }
@@ -36,6 +41,7 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
 static void leave_point(const struct gather *g, const struct shading_point *from,
                         const struct brdf_sample *next, vec3 d, struct path_walk *walk) {
     if (next->pdf_w > 0.0f) {
+        walk->T = walk->rest;  // light samples found direct light
         walk->from = from->interaction.p;
         walk->pdf_w = next->pdf_w;
         walk->chain = light_chain_begin(d);
@@ -51,12 +57,15 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
     struct brdf_sample next;
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
-    if (!brdf_sample(&from->brdf, from->wo_l, u_lobe, u.x, u.y, BRDF_ALL, BRDF_RADIANCE, &next))
+    const unsigned lobes = rgb_black(walk->rest) ? BRDF_DELTA : BRDF_ALL;
+    if (!brdf_sample(&from->brdf, from->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next))
         return false;
-    walk->T = rgb_mul(walk->T, next.weight);
-    walk->eta *= next.eta;
     const vec3 d = frame_to_world(&from->frame, next.wi);
     leave_point(g, from, &next, d, walk);
+    walk->T = rgb_mul(walk->T, next.weight);
+    walk->rest =
+        rgb_mul(walk->rest, g->progressive ? photon_progressive_rest(from, &next) : next.weight);
+    walk->eta *= next.eta;
     walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
     walk->specular = walk->specular && !(next.pdf_w > 0.0f);
     walk->depth++;
@@ -65,8 +74,20 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
         float survive = fminf(rgb_max(walk->T) * walk->eta * walk->eta, ROULETTE_MAX);
         if (!(sampler_1d(sampler) < survive)) return false;
         walk->T = rgb_scale(walk->T, 1.0f / survive);
+        walk->rest = rgb_scale(walk->rest, 1.0f / survive);
     }
     return !rgb_black(walk->T);
+}
+
+// The light that is known at a point without continuing the path. `depth` is the number of segments
+// up to the point.
+static rgb light_at(const struct gather *g, const struct shading_point *p, int depth,
+                    struct sampler sampler) {
+    const struct gather_mis both = {depth, {{BRDF_ALL, 1.0f}}};
+    const rgb direct =
+        gather_sample_lights(g, p, both, (struct gather_lights){1, sampler.index}, sampler, NULL);
+    if (!g->progressive || !(p->lobes & BRDF_REFLECT)) return direct;
+    return rgb_add(direct, photon_progressive_radiance(g->progressive, p, depth));
 }
 
 // The radiance of a path, and the first hit: `first` for a gather ray, `eye` for an eye ray.
@@ -81,8 +102,9 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
         if (hit) light_chain_advance(&walk.chain, s.t);
         if (first) *first = hit ? (struct gather_first){s.t, s.ng} : GATHER_NOTHING;
         if (walk.emission) {
-            rgb Le = emitted(g, &walk, hit ? &s : NULL);
-            L = rgb_fma(L, walk.T, Le);
+            rgb T;
+            const rgb Le = emitted(g, &walk, hit ? &s : NULL, &T);
+            L = rgb_fma(L, T, Le);
             if (eye && walk.specular) eye->emission = rgb_fma(eye->emission, walk.T, Le);
         }
         const bool last = max_depth >= 0 && walk.depth + 1 >= max_depth;
@@ -96,10 +118,8 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
             eye->point = from;
         }
         if (last || !from.lobes) break;
-        const struct gather_mis both = {walk.depth + 1, {{BRDF_ALL, 1.0f}}};
-        L = rgb_fma(L, walk.T,
-                    gather_sample_lights(g, &from, both, (struct gather_lights){1, sampler->index},
-                                         *sampler, NULL));
+        if (!rgb_black(walk.rest))
+            L = rgb_fma(L, walk.rest, light_at(g, &from, walk.depth + 1, *sampler));
         sampler->dimension += 2;
     } while (bounce(g, &from, sampler, &walk));
     return L;
@@ -107,7 +127,8 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
 
 rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
                 struct gather_first *first) {
-    struct path_walk walk = {.ray = ray, .T = rgb_grey(1.0f), .eta = 1.0f, .depth = 1};
+    struct path_walk walk = {
+        .ray = ray, .T = rgb_grey(1.0f), .rest = rgb_grey(1.0f), .eta = 1.0f, .depth = 1};
     return follow_path(g, walk, sampler, first, NULL);
 }
 
@@ -116,6 +137,7 @@ rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *samp
     const satin_options *o = g->options;
     struct path_walk walk = {.ray = ray,
                              .T = rgb_grey(1.0f),
+                             .rest = rgb_grey(1.0f),
                              .eta = 1.0f,
                              .emission = o->hide_emitters <= 0 && o->max_depth != 0,
                              .specular = true};

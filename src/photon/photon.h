@@ -111,6 +111,29 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
                               vec3 p, vec3 n, struct photon_other_light other);
 
+// ---- Progressive photon mapping (photon_progressive.c) ------------------------------------------
+
+// The photons of the present pass, and the radii of the first one.
+struct photon_progressive;
+// Traces the photons from which the radii are found. No pass has begun. Statistics and errors as of
+// photon_maps_build; the request must outlive *out, which the caller frees.
+satin_status photon_progressive_new(const struct photon_request *request, struct parallel *pool,
+                                    struct log log, struct stats *stats,
+                                    struct photon_progressive **out);
+void photon_progressive_free(struct photon_progressive *progressive);  // NULL is allowed
+// Replaces the photons by those of the next pass, which have smaller radii. On failure,
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY, the present pass remains.
+satin_status photon_progressive_next(struct photon_progressive *progressive, struct parallel *pool,
+                                     struct log log, struct stats *stats);
+// The radiance that the point reflects of the photons, which are all light except direct light; a
+// direction from which a glossy lobe reflects too sharply is left out. `depth` is the number of
+// path segments from the eye to the point.
+rgb photon_progressive_radiance(const struct photon_progressive *progressive,
+                                const struct shading_point *point, int depth);
+// The part of a sample's weight that is left out there: by it a path carries light that is not
+// direct.
+rgb photon_progressive_rest(const struct shading_point *point, const struct brdf_sample *sample);
+
 // The photon clusters, owned by the maps; NULL if there are none. `maps` may be NULL.
 const struct guide_clusters *photon_clusters(const struct photon_maps *maps);
 

@@ -103,6 +103,19 @@ static uint64_t point_key(vec3 p) {
     return rng_mix(bits.u[0] ^ rng_mix((uint64_t)bits.u[1] << 32 | bits.u[2]));
 }
 
+void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene) {
+    float fraction = 1.0f;
+    disc->corrected = false;
+    if (scene) {
+        photon_area_make(scene, disc->p, disc->n, disc->r, point_key(disc->p), &disc->area);
+        disc->corrected = !disc->area.open;
+        // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.
+        if (disc->corrected)
+            fraction = fmaxf(photon_area_fraction(&disc->area, disc->kernel), 0.02f);
+    }
+    disc->scale = 1.0f / (PI_F * disc->r2 * fraction);
+}
+
 void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
                       struct photon_disc *out) {
     out->map = query->map;
@@ -118,17 +131,9 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     out->r2 = photon_radius2(query->map, row, distance2, query->k);
     out->r = sqrtf(out->r2);
     if (!(out->r > 0.0f)) return;
-    float fraction = 1.0f;
     bool measure = query->correction == AREA_MEASURED ||
                    (query->correction == AREA_IF_NEEDED && edge_near(out));
-    if (measure) {
-        photon_area_make(query->scene, query->p, query->n, out->r, point_key(query->p), &out->area);
-        out->corrected = !out->area.open;
-        // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.
-        if (out->corrected)
-            fraction = fmaxf(photon_area_fraction(&out->area, query->kernel), 0.02f);
-    }
-    out->scale = 1.0f / (PI_F * out->r2 * fraction);
+    photon_disc_scale(out, measure ? query->scene : NULL);
 }
 
 float photon_disc_weight(const struct photon_disc *disc, int i) {
@@ -182,25 +187,19 @@ float photon_disc_variance(const struct photon_disc *disc) {
 
 // ---- Reflected radiance -----------------------------------------------------------------------
 
-// A surface point for estimates of reflected radiance.
-struct reflection {
-    const struct frame *frame;
-    const struct brdf *brdf;
-    vec3 wo;
-    unsigned lobes;
-};
-
-// Photons carry flux per geometric area, while reflection is by the cosine to the shading normal.
-static rgb reflect(const struct photon_disc *disc, const struct reflection *at) {
+rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_reflection *at) {
     rgb L = rgb_grey(0.0f);
     for (int i = 0; i < disc->count; i++) {
         float weight = photon_disc_weight(disc, i);
         if (!(weight > 0.0f)) continue;
         const struct photon *photon = &disc->map->photon[disc->row[i]];
+        if (photon->bounces > at->bounces) continue;
         vec3 wi = photon_unpack(photon->wi), local = frame_to_local(at->frame, wi);
         float cosine = v3_dot(wi, photon_unpack(photon->n));
         if (!(local.z > 0.0f) || !(cosine > 0.0f)) continue;
-        rgb f = brdf_eval(at->brdf, at->wo, local, at->lobes);
+        unsigned lobes = at->lobes;
+        if (brdf_is_sharp(at->brdf, at->wo, local, at->pdf_most)) lobes &= ~(unsigned)BRDF_GLOSSY;
+        const rgb f = brdf_eval(at->brdf, at->wo, local, lobes);
         // Limited, because the few photons at grazing angles would be very bright.
         weight *= fminf(local.z / cosine, 4.0f);
         L = rgb_mad(L, rgb_mul(f, photon->power), weight);
@@ -218,15 +217,15 @@ static void find_disc(const struct photon_query *query, int *row, float *distanc
 }
 
 // The radiance reflected from the photons around the point and, if E is not NULL, their irradiance.
-static rgb estimate(const struct photon_query *query, const struct reflection *at, float *radius,
-                    rgb *E) {
+static rgb estimate(const struct photon_query *query, const struct photon_reflection *at,
+                    float *radius, rgb *E) {
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     struct photon_disc disc;
     find_disc(query, row, distance2, &disc);
     *radius = disc.r;
     if (E) *E = photon_disc_irradiance(&disc);
-    return reflect(&disc, at);
+    return photon_disc_radiance(&disc, at);
 }
 
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
@@ -242,7 +241,7 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                                  KERNEL_FLAT,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
                                  NULL};
-    struct reflection at = {frame, brdf, wo, lobes};
+    const struct photon_reflection at = photon_reflection_make(frame, brdf, wo, lobes);
     return estimate(&query, &at, radius, NULL);
 }
 
@@ -309,7 +308,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other);
     if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_query query = caustic_query(maps, scene, p, ng);
-    const struct reflection at = {frame, brdf, wo, lobes};
+    const struct photon_reflection at = photon_reflection_make(frame, brdf, wo, lobes);
     const rgb L = rgb_scale(estimate(&query, &at, &radius, &estimated), 1.0f / chance);
     if (source != READ_ENTRY) return L;
     return rgb_make(L.r * smoothing_factor(E.r, estimated.r),

@@ -334,6 +334,7 @@ class NearestK {
         }
     }
     float worst() const { return count_ == k_ ? distance2_[0] : far2_; }
+    int count() const { return count_; }
 
    private:
     // Inserts an entry at index i or below it.
@@ -479,4 +480,15 @@ void photon_index_nearest(const struct photon_index *index, const float *query, 
         else
             find_nearest<6>(*index, query, k, far2, row, distance2);
     }
+}
+
+int photon_index_within(const struct photon_index *index, const float *query, int most, float r2,
+                        int *row, float *distance2) {
+    if (!finite(query, index->columns)) return 0;
+    NearestK found(most, r2, row, distance2);
+    if (index->columns == 3)
+        search_tree<3>(*index, query, found);
+    else
+        search_tree<6>(*index, query, found);
+    return found.count();
 }

@@ -24,5 +24,9 @@ size_t photon_index_bytes(const struct photon_index *index);
 // Allocates nothing and cannot fail. Thread-safe.
 void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
                           float far2, int *row, float *distance2);
+// Finds all rows whose squared distance from a query is below r2, or the `most` nearest of them, in
+// no particular order. Returns their number; otherwise as photon_index_nearest.
+int photon_index_within(const struct photon_index *index, const float *query, int most, float r2,
+                        int *row, float *distance2);
 
 #endif

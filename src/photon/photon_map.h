@@ -16,19 +16,23 @@ enum {
 
 // ---- Photons ------------------------------------------------------------------------------------
 
+enum { PHOTON_BOUNCES_MOST = UINT8_MAX };
+
 // A photon as it was traced.
 struct photon_hit {
     vec3 p;
-    rgb power;       // [W]
-    uint32_t wi, n;  // packed directions: to its origin; geometric normal on that side
-    bool last;       // whether it has bounced as often as photons may
+    rgb power;        // [W]
+    uint32_t wi, n;   // packed directions: to its origin; geometric normal on that side
+    uint8_t bounces;  // number of its bounces before, at most PHOTON_BOUNCES_MOST
+    bool last;        // whether it has bounced as often as photons may
 };
 
 // A photon in a map, which has the positions in a separate array for the search.
 struct photon {
     rgb power;
     uint32_t wi, n;
-    bool last;  // as in photon_hit
+    uint8_t bounces;  // these as in photon_hit
+    bool last;
 };
 
 // Packs a unit vector into 32 bits by the octahedral map [Cigolle et al. 2014], with an error of at
@@ -73,6 +77,11 @@ struct photon_tracing {
 satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
                               struct log log, struct photon_trace out[PHOTON_CONSUMERS]);
 void photon_trace_free(struct photon_trace *trace);
+// Adds the counts of a trace to the statistics photons.*.
+void photon_trace_count(const struct photon_trace *trace, struct stats *stats);
+// The number of bounces after which a photon still fits into a path of max_depth segments, where
+// `after` segments follow the surface where it is stored; negative: no limit.
+int photon_bounces_left(const satin_options *options, int after);
 
 // ---- The map (photon_map.c) ---------------------------------------------------------------------
 
@@ -88,6 +97,9 @@ struct photon_map {
     float radius_max;           // largest radius of an estimate
     struct photon_curve curve;  // the curve along which the photons are sorted
 };
+// The number of photons of an estimate by that of an option: at least two, as the outermost one is
+// not counted.
+static inline int photon_clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
 // The limit of an estimate's squared radius.
 static inline float photon_map_far2(const struct photon_map *map) {
     return map->radius_max * map->radius_max;
@@ -176,10 +188,31 @@ float photon_ring_radius(int *row, float *distance2, int k);
 // Makes the disc of the k rows that photon_index_nearest found for the query.
 void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
                       struct photon_disc *out);
+// Sets the scale of a disc whose other members are set, by the area of the surface in it, which is
+// measured in the scene; NULL: that of the whole disc.
+void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene);
 // The weight of entry i of the disc [m^-2]; 0 if the photon is not counted.
 float photon_disc_weight(const struct photon_disc *disc, int i);
 // Irradiance [W m^-2]: the weighted sum of the photons' power.
 rgb photon_disc_irradiance(const struct photon_disc *disc);
+// A surface point that reflects the photons of a disc.
+struct photon_reflection {
+    const struct frame *frame;
+    const struct brdf *brdf;
+    vec3 wo;         // local
+    unsigned lobes;  // smooth lobes
+    float pdf_most;  // the glossy lobe is left out in directions of a larger density [sr^-1]
+    int bounces;     // photons that have bounced more often are left out
+};
+// All photons, by all of the lobes.
+static inline struct photon_reflection photon_reflection_make(const struct frame *frame,
+                                                              const struct brdf *brdf, vec3 wo,
+                                                              unsigned lobes) {
+    return (struct photon_reflection){frame, brdf, wo, lobes, INFINITY, PHOTON_BOUNCES_MOST};
+}
+// The radiance that the point reflects. Photons carry flux per geometric area, while reflection is
+// by the cosine to the shading normal.
+rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_reflection *at);
 // That part of the irradiance whose photons have bounced as often as they may.
 rgb photon_disc_last(const struct photon_disc *disc);
 // The variance of the irradiance, summed over the channels: the sum of the squares.

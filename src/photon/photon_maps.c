@@ -39,9 +39,6 @@ static const float LOOKUP_FRACTION = 0.25f;
 // Caustics count as faint below this fraction of the mean irradiance.
 static const float MAP_FAINT = 0.01f;
 
-// The outermost photon is not counted, so an estimate needs at least two.
-static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
-
 // Traces the consumers' photons and builds the map from those of the first consumer.
 static satin_status trace_into(const struct photon_pass *pass, const struct photon_tracing *tracing,
                                struct photon_map *map,
@@ -53,23 +50,11 @@ static satin_status trace_into(const struct photon_pass *pass, const struct phot
     double traced = stats_wall();
     parallel_begin_part(pass->pool, "sort");
     status = photon_map_build(pass->scene, trace->hit, trace->count, pass->pool, pass->log, map);
-    stats_add(pass->stats, "photons.emitted", (double)trace->emitted);
-    stats_add(pass->stats, "photons.refused", (double)trace->refused);
-    stats_add(pass->stats, "photons.stored_direct", (double)trace->stored[PHOTON_DIRECT]);
-    stats_add(pass->stats, "photons.stored_caustic", (double)trace->stored[PHOTON_CAUSTIC]);
-    stats_add(pass->stats, "photons.stored_indirect", (double)trace->stored[PHOTON_INDIRECT]);
+    photon_trace_count(trace, pass->stats);
     stats_add(pass->stats, "photons.trace_s", traced - start);
     stats_add(pass->stats, "photons.build_s", stats_wall() - traced);
     photon_trace_free(trace);
     return status;
-}
-
-// The number of bounces after which a photon still fits into a path of max_depth segments. `after`
-// segments follow the surface where it is stored; one segment is from the light to the first
-// surface.
-static int bounces_left(const satin_options *o, int after) {
-    if (o->max_depth < 0) return -1;
-    return o->max_depth > after + 1 ? o->max_depth - after - 1 : 0;
 }
 
 static satin_status precompute_map(const struct photon_pass *pass,
@@ -128,7 +113,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
                       .classes = 1 << PHOTON_DIRECT,
                       .allocation = &pass->allocation}},
         // The eye sees the surface directly, or through a gather ray.
-        .bounces = bounces_left(o, seen ? 1 : 2)};
+        .bounces = photon_bounces_left(o, seen ? 1 : 2)};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     satin_status status = trace_into(pass, &tracing, &maps->global, trace);
     const double start = stats_wall();
@@ -207,7 +192,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
         .scene = pass->scene,
         .seed = o->seed,
         .consumer = {{.paths = pass->paths.caustic, .classes = 1 << PHOTON_CAUSTIC}},
-        .bounces = bounces_left(o, 1),
+        .bounces = photon_bounces_left(o, 1),
         .emission = emission};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     status = trace_into(pass, &tracing, &maps->caustic, trace);
@@ -228,8 +213,8 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
     const satin_options *options = request->options;
     struct photon_maps *maps = calloc(1, sizeof *maps);
     if (!maps) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photon maps");
-    maps->photon_k = clamp_k(options->photon_k);
-    maps->caustic_k = clamp_k(options->caustic_k);
+    maps->photon_k = photon_clamp_k(options->photon_k);
+    maps->caustic_k = photon_clamp_k(options->caustic_k);
     maps->area = options->photon_area;
     maps->smooth = options->caustic_smooth;
     struct photon_pass pass = {.scene = scene,

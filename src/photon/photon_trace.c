@@ -55,7 +55,8 @@ struct run {
 struct photon_path {
     struct ray ray;
     rgb power;
-    bool last;                           // whether it has bounced as often as it may
+    uint8_t bounces;  // these as in photon_hit
+    bool last;
     enum photon_class class;             // direct, unless a chain deflects it: see class_of
     struct light_chain chain;            // of a direct photon
     unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets from this path
@@ -94,8 +95,11 @@ static bool store_photon(const struct satin_scene *scene, struct chunk *chunk,
     const struct material *material = &scene->material[s->material];
     const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
     const enum photon_class class = class_of(photon);
-    struct photon_hit hit = {
-        .p = s->p, .wi = photon_pack(wi), .n = photon_pack(n), .last = photon->last};
+    struct photon_hit hit = {.p = s->p,
+                             .wi = photon_pack(wi),
+                             .n = photon_pack(n),
+                             .bounces = photon->bounces,
+                             .last = photon->last};
     for (int i = 0; i < PHOTON_CONSUMERS; i++) {
         if (!(photon->classes[i] >> class & 1u)) continue;
         hit.power = rgb_scale(photon->power, photon->factor[i]);
@@ -166,6 +170,7 @@ static void follow_photon(const struct photon_tracing *tracing, struct photon_pa
     for (int bounce = 0; bounce <= most; bounce++) {
         struct interaction s;
         if (!scene_intersect(scene, &photon.ray, &s)) return;
+        photon.bounces = (uint8_t)(bounce < PHOTON_BOUNCES_MOST ? bounce : PHOTON_BOUNCES_MOST);
         photon.last = bounce == tracing->bounces;
         if (photon.wanted >> class_of(&photon) & 1u &&
             stores_photons(scene, &s, v3_neg(photon.ray.d)) &&
@@ -363,4 +368,18 @@ void photon_trace_free(struct photon_trace *trace) {
     free(trace->hit);
     trace->hit = NULL;
     trace->count = 0;
+}
+
+void photon_trace_count(const struct photon_trace *trace, struct stats *stats) {
+    stats_add(stats, "photons.emitted", (double)trace->emitted);
+    stats_add(stats, "photons.refused", (double)trace->refused);
+    stats_add(stats, "photons.stored_direct", (double)trace->stored[PHOTON_DIRECT]);
+    stats_add(stats, "photons.stored_caustic", (double)trace->stored[PHOTON_CAUSTIC]);
+    stats_add(stats, "photons.stored_indirect", (double)trace->stored[PHOTON_INDIRECT]);
+}
+
+// One segment is from the light to the first surface.
+int photon_bounces_left(const satin_options *o, int after) {
+    if (o->max_depth < 0) return -1;
+    return o->max_depth > after + 1 ? o->max_depth - after - 1 : 0;
 }

@@ -16,28 +16,31 @@ const struct option options_table[] = {
     {"quality", OPTION_CHOICE, AT(quality), false, "draft|preview|production",
      "Preset of samples, photons and accuracies, which every single option overrides. A time limit "
      "chooses these values itself, on a curve on which the presets are points."},
-    {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons",
+    {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons|sppm",
      "The algorithm: photon maps and cached final gathering (two-pass), path tracing as the "
-     "reference (path), emitted and direct light alone (direct), or a direct view of the photon "
-     "map (photons)."},
+     "reference (path), emitted and direct light alone (direct), a direct view of the photon map "
+     "(photons), or stochastic progressive photon mapping, a reference for caustics that path "
+     "tracing does not find (sppm)."},
     {"first-pass", OPTION_CHOICE, AT(first_pass), false, "precomputed|photons|path|none|recursive",
      "The radiance that a gather ray reads at its hit: from irradiance precomputed at photons "
      "(precomputed), by a density estimate (photons), by path tracing from the hit (path), direct "
      "light alone (none), or direct light and the records of the next bounce (recursive)."},
     {"spp", OPTION_INT, AT(spp), false, "0..1048576",
-     "Samples per pixel. With 0 a time limit decides; without a time limit, integrator path takes "
-     "the scene's number, and the others take 9, 16 or 36 by the quality."},
+     "Samples per pixel; of integrator sppm, passes. With 0 a time limit decides; without a time "
+     "limit, integrators path and sppm take the scene's number, and the others take 9, 16 or 36 by "
+     "the quality."},
     {"adaptive-sampling", OPTION_BOOL, AT(adaptive_sampling), false, "off|on",
      "Three quarters of the samples go to noisy pixels, so that spp is the mean. If off, with "
-     "integrator path, or with a film filter that has negative values, every pixel gets spp "
-     "samples."},
+     "integrators path and sppm, or with a film filter that has negative values, every pixel gets "
+     "spp samples."},
     {"denoise", OPTION_BOOL, AT(denoise), false, "off|on",
      "Denoises the light that no record carries, with albedo and normals as auxiliary images: "
      "direct light, caustics, gloss that is not cached, and gathering without records; with "
-     "integrator path, all reflected light. Interpolated light and emitters that are seen are not "
-     "changed, and the noisy image is kept in channels of its own. It needs Open Image Denoise 2: "
-     "`./bootstrap denoiser` installs it, or the environment variable SATIN_OIDN names its file. "
-     "It gets at most half of a time limit."},
+     "integrators path and sppm, all reflected light. Interpolated light and emitters that are "
+     "seen "
+     "are not changed, and the noisy image is kept in channels of its own. It needs Open Image "
+     "Denoise 2: `./bootstrap denoiser` installs it, or the environment variable SATIN_OIDN names "
+     "its file. It gets at most half of a time limit."},
     {"width", OPTION_INT, AT(width), false, "0..65536", "Film width in pixels; 0 is the scene's."},
     {"height", OPTION_INT, AT(height), false, "0..65536",
      "Film height in pixels; 0 is the scene's."},
@@ -77,14 +80,16 @@ const struct option options_table[] = {
      "is 1 if the image is denoised, unless the user sets another number."},
 
     {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
-     "Photon paths for the global map. A number that a quality sets grows up to eightfold if few "
-     "photons of indirect light are stored; a number that the user sets does not."},
+     "Photon paths for the global map; of integrator sppm, in each pass. A number that a quality "
+     "sets grows up to eightfold if few photons of indirect light are stored; a number that the "
+     "user sets does not, nor does that of sppm."},
     {"caustic-photons", OPTION_COUNT, AT(caustic_photons), true, "0..1000000000000",
-     "Photon paths for the caustic map; 0 is no caustics."},
+     "Photon paths for the caustic map; of integrator sppm, in each pass. 0 is no caustics."},
     {"photon-k", OPTION_INT, AT(photon_k), false, "1..10000",
-     "Number of photons in a density estimate of the global map."},
+     "Number of photons in a density estimate of the global map; of integrator sppm, in its first "
+     "pass, after which estimates become smaller."},
     {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
-     "Number of photons in a density estimate of the caustic map."},
+     "Number of photons in a density estimate of the caustic map, for sppm likewise."},
     {"caustic-smooth", OPTION_BOOL, AT(caustic_smooth), false, "off|on",
      "Averages estimates of the caustic map over a wider neighbourhood where they differ by no "
      "more than their noise."},

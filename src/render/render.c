@@ -34,6 +34,7 @@ static void render_free(struct render *r) {
     render_bounces_free(r);
     cache_tables_free(&r->second_pass.tables);
     photon_maps_free(r->first_pass.maps);
+    photon_progressive_free(r->first_pass.progressive);
     gather_direct_free(&r->first_pass.direct);
     guide_visibility_free(r->first_pass.visibility);
     film_denoiser_free(r->denoiser);

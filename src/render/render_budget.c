@@ -408,7 +408,7 @@ int render_budget_first_stride(int width, int height) {
 
 uint32_t render_budget_equal_samples(const satin_options *o) {
     const uint32_t spp = (uint32_t)o->spp;
-    if (!o->adaptive_sampling || o->integrator == SATIN_PATH) return spp;
+    if (!o->adaptive_sampling || gather_traces_paths(o)) return spp;
     if (spp < 2 * EQUAL_LEAST) return spp;
     if (o->time > 0.0) return EQUAL_LEAST;
     return spp / EQUAL_FRACTION > EQUAL_LEAST ? spp / EQUAL_FRACTION : EQUAL_LEAST;
@@ -428,7 +428,7 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
     const uint64_t all = (uint64_t)o->spp * pixels;
     const uint64_t equal = render_budget_equal_samples(o) * pixels;
     if (done >= all) return 0;
-    uint64_t want = done ? done : pixels;
+    uint64_t want = done && o->integrator != SATIN_SPPM ? done : pixels;
     if (want > all - done) want = all - done;
     if (done < equal && want > equal - done) want = equal - done;
     const double fit = done ? fitting_samples(r, sample_seconds) : INFINITY;

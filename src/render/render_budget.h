@@ -160,7 +160,7 @@ uint32_t render_budget_equal_samples(const satin_options *options);
 // The number of samples of all pixels in the next pass, after `done` samples, if one takes
 // `sample_seconds`: as many as there are already, and at most half of those that fit, so that the
 // time of the last ones is known well. Until all pixels have their equal samples, it is a multiple
-// of the number of pixels. 0: no further pass.
+// of the number of pixels. Integrator sppm takes one sample per pixel in each. 0: no further pass.
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds);
 // How samples gather where no record is near.
 struct shade_missing render_budget_missing(const satin_options *options);

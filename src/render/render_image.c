@@ -216,7 +216,10 @@ satin_status render_image_fill(struct render *r) {
     render_stage_begin(r, STAGE_IMAGE, all);
     render_stage_range(r, 0.0, 1.0 / r->options.spp);
     double start = stats_wall(), per_sample = 0.0;
-    bool whole = take_first_samples(&pass);
+    const double limit = render_limit_lift(r);
+    satin_status status = render_pass_photons(r);
+    render_limit_restore(r, limit);
+    bool whole = status == SATIN_OK && take_first_samples(&pass);
     uint64_t samples;
     if (whole && image->taken) {
         per_sample = (stats_wall() - start) / (double)image->taken;
@@ -224,22 +227,22 @@ satin_status render_image_fill(struct render *r) {
     }
     const uint64_t equal = (uint64_t)render_budget_equal_samples(&r->second_pass.options) *
                            (uint64_t)image->width * (uint64_t)image->height;
-    satin_status status = SATIN_OK;
     while (status == SATIN_OK && whole && !render_steps(r)->coarse &&
            next_pass(r, per_sample, &samples)) {
         start = stats_wall();
         render_stage_range(r, (double)image->taken / all, (double)samples / all);
-        whole = run_pass(&pass);
+        if (image->taken) status = render_pass_photons(r);
+        whole = status == SATIN_OK && run_pass(&pass);
         if (!whole) break;
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
         plan_samples(&pass, workers);
-        if (image->taken >= equal && r->second_pass.options.integrator != SATIN_PATH)
+        if (image->taken >= equal && !gather_traces_paths(&r->second_pass.options))
             status = render_rims(r, &whole);
     }
     r->progress.items = (double)image->taken;
     note_counts(r, pass.worker, workers);
     free(pass.worker);
-    if (status != SATIN_OK) return status;
+    if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
     return !whole && render_cancelled(r) ? SATIN_CANCELLED : SATIN_OK;
 }

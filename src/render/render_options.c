@@ -101,7 +101,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     o->hide_emitters = resolve_value(o->hide_emitters, -1, hints->hide_emitters, -1, 0);
     // A render with a time limit takes as many samples as fit. The number of samples that a scene
     // has for a path tracer would be wasteful for two passes.
-    int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
+    int scene_spp = gather_traces_paths(o) ? hints->spp : 0;
     // With negative weights a smooth image needs many samples too.
     if (film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = RENDER_TIMED_SPP;

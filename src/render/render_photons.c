@@ -89,7 +89,30 @@ static satin_status build_first(struct render *r, double fraction) {
     return render_limit_end(r, status);
 }
 
+// Traces the photons from which the radii of all passes are found. If there is no time for them,
+// paths are traced instead.
+static satin_status begin_passes(struct render *r) {
+    const struct photon_request request = {&r->scene, &r->options,
+                                           render_budget_paths(&r->options)};
+    render_limit_photon_pilot(r);
+    const satin_status status =
+        photon_progressive_new(&request, r->pool, r->log, &r->stats, &r->first_pass.progressive);
+    if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
+    return render_limit_end(r, status);
+}
+
+satin_status render_pass_photons(struct render *r) {
+    if (!render_steps(r)->passes) return SATIN_OK;
+    const double start = stats_wall();
+    satin_status status =
+        photon_progressive_next(r->first_pass.progressive, r->pool, r->log, &r->stats);
+    stats_add(&r->stats, "photons.passes", status == SATIN_OK ? 1.0 : 0.0);
+    stats_add(&r->stats, "photons.passes_s", stats_wall() - start);
+    return status;
+}
+
 satin_status render_photons(struct render *r) {
+    if (render_steps(r)->passes) return begin_passes(r);
     const struct stats before = r->stats;
     const double first = render_budget_first_photons(r);
     satin_status status = build_first(r, first);
@@ -118,5 +141,6 @@ struct gather render_gather(const struct render *r) {
     struct gather g = gather_make(&r->scene, &r->second_pass.options, r->first_pass.maps);
     g.visibility = r->first_pass.visibility;
     g.lookup_max /= render_budget_lookup(r->first_pass.made);
+    g.progressive = r->first_pass.progressive;
     return g;
 }

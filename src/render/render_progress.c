@@ -29,6 +29,7 @@ static const struct render_steps course_steps[] = {
     [COURSE_PHOTONS] = {SATIN_PHOTONS, .photons = true},
     [COURSE_DIRECT] = {SATIN_DIRECT},
     [COURSE_PATHS] = {SATIN_PATH},
+    [COURSE_SPPM] = {SATIN_SPPM, .photons = true, .passes = true},
     [COURSE_WITHOUT_RECORDS] = {SATIN_TWO_PASS, .photons = true, .tables = true},
     [COURSE_COARSE] = {SATIN_TWO_PASS, .interpolates = true, .coarse = true},
     [COURSE_COARSE_DIRECT] = {SATIN_DIRECT, .coarse = true},
@@ -42,6 +43,8 @@ enum render_course render_first_course(const satin_options *options) {
             return COURSE_DIRECT;
         case SATIN_PHOTONS:
             return COURSE_PHOTONS;
+        case SATIN_SPPM:
+            return COURSE_SPPM;
         default:
             return gather_indirect(options) ? COURSE_TWO_PASS : COURSE_SHORT_PATHS;
     }

@@ -31,6 +31,7 @@ enum render_course {
     COURSE_PHOTONS,      // photons are seen directly
     COURSE_DIRECT,       // direct light alone
     COURSE_PATHS,        // path tracing, also if there is no time for photons
+    COURSE_SPPM,         // progressive photon mapping: photons in every pass of the image
     // From COURSE_TWO_PASS, by a time limit, which may also lead to COURSE_PATHS:
     COURSE_WITHOUT_RECORDS,  // every sample gathers, as there is no time for records
     // From any course, if the caller cancels before the image has its first samples:
@@ -42,6 +43,7 @@ enum render_course {
 struct render_steps {
     satin_integrator integrator;  // by which the image is sampled
     bool photons, tables, records;
+    bool passes;        // each pass of the image has new photons
     bool interpolates;  // where there are records, samples interpolate between them
     bool coarse;  // the image has only its first samples, and is completed after the cancellation
 };
@@ -65,8 +67,9 @@ struct render_first_pass {
     bool chosen_by_user;  // the number must not be increased
     double made;          // fraction of `wanted` that was traced; 0: none were wanted
     struct photon_maps *maps;
-    struct gather_direct direct;          // at the entries of the maps
-    struct guide_visibility *visibility;  // of the lights; NULL: all lights are assumed visible
+    struct photon_progressive *progressive;  // of integrator sppm; it has no maps
+    struct gather_direct direct;             // at the entries of the maps
+    struct guide_visibility *visibility;     // of the lights; NULL: all lights are assumed visible
 };
 
 // The second pass: final gathering, and its records.
@@ -145,6 +148,8 @@ satin_status render_photons(struct render *r);
 struct gather render_gather(const struct render *r);
 // Samples direct light at the entries of the precomputed irradiance, if gather rays read it.
 satin_status render_direct(struct render *r);
+// If each pass of the image has new photons, traces those of the next pass.
+satin_status render_pass_photons(struct render *r);
 
 // ---- render_bounces.c
 // If the first pass is `recursive`, makes the records of the indirect bounces, which gather rays

@@ -88,7 +88,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     const satin_integrator integrator = shade->g->options->integrator;
     *out = (struct shade_sample){0};
     worker->counts.samples++;
-    if (integrator == SATIN_PATH) {
+    if (gather_traces_paths(shade->g->options)) {
         path_sample(shade, x, y, index, out);
         return;
     }

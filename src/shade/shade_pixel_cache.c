@@ -21,7 +21,11 @@ struct shade_pixel_value *shade_pixel_cache_find(struct shade_pixel_cache *cache
     struct shade_pixel_value *e = &cache->value[cache->next];
     cache->next = (cache->next + 1) % SHADE_PIXEL_VALUES;
     if (cache->count < SHADE_PIXEL_VALUES) cache->count++;
-    *e = (struct shade_pixel_value){p->interaction.p, p->frame.n,      wo,
-                                    p->side,          p->brdf.alpha_u, p->brdf.exponent};
+    *e = (struct shade_pixel_value){.p = p->interaction.p,
+                                    .n = p->frame.n,
+                                    .wo = wo,
+                                    .side = p->side,
+                                    .alpha = p->brdf.alpha_u,
+                                    .exponent = p->brdf.exponent};
     return e;
 }

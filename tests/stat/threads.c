@@ -49,12 +49,14 @@ int main(int argc, char **argv) {
     static const struct mode modes[] = {{"two-pass", "precomputed"},
                                         {"two-pass", "recursive"},
                                         {"path", "precomputed"},
-                                        {"photons", "precomputed"}};
+                                        {"photons", "precomputed"},
+                                        {"sppm", "precomputed"}};
+    enum { MODES = sizeof modes / sizeof *modes };
     int failed = 0;
     for (int s = 1; s < argc; s++) {
         satin_scene *scene = NULL;
         if (satin_scene_load(argv[s], NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return 1;
-        for (int k = 0; k < 4; k++) {
+        for (int k = 0; k < MODES; k++) {
             uint64_t first = 0;
             for (int t = 0; t < 4; t++) {
                 uint64_t hash = render_hash(scene, threads[t], modes[k]);
@@ -68,6 +70,6 @@ int main(int argc, char **argv) {
         }
         satin_scene_free(scene);
     }
-    printf("%d passed, %d failed\n", 16 * (argc - 1) - failed, failed);
+    printf("%d passed, %d failed\n", 4 * MODES * (argc - 1) - failed, failed);
     return failed != 0 || argc < 2;
 }

@@ -27,7 +27,8 @@ static int nearer(const float *data, int rows, int columns, const float *q, floa
 static void search_is_exact(void **state) {
     (void)state;
     static float data[ROWS * 6], query[QUERIES * 6], distance2[QUERIES * K];
-    static int row[QUERIES * K];
+    static int row[QUERIES * K], all[ROWS];
+    static float all_distance2[ROWS];
     struct parallel *pool = parallel_new(1);
     for (int columns = 3; columns <= 6; columns += 3) {
         struct rng rng = rng_make(1, RNG_TEST, (uint64_t)columns);
@@ -48,6 +49,16 @@ static void search_is_exact(void **state) {
             }
             assert_true(nearer(data, ROWS, columns, q, most * 0.9999f) < K);
             assert_true(nearer(data, ROWS, columns, q, most * 1.0001f) >= K);
+            // Within that distance there are as many, of which the nearest are found if they are
+            // too many.
+            const float r2 = most * 1.00001f;
+            const int within = nearer(data, ROWS, columns, q, r2);
+            assert_int_equal(photon_index_within(index, q, ROWS, r2, all, all_distance2), within);
+            for (int j = 0; j < within; j++) assert_true(all_distance2[j] < r2);
+            assert_int_equal(photon_index_within(index, q, K / 2, r2, all, all_distance2), K / 2);
+            float far2 = 0.0f;
+            for (int j = 0; j < K / 2; j++) far2 = fmaxf(far2, all_distance2[j]);
+            assert_true(nearer(data, ROWS, columns, q, far2 * 0.9999f) < K / 2);
         }
         photon_index_free(index);
     }

@@ -64,8 +64,9 @@ static void integrators_have_what_they_compute(void **state) {
     } wanted[] = {{SATIN_TWO_PASS, true, true, true, true},
                   {SATIN_PATH, false, false, false, false},
                   {SATIN_DIRECT, true, false, false, false},
-                  {SATIN_PHOTONS, false, false, true, false}};
-    for (int i = 0; i < 4; i++) {
+                  {SATIN_PHOTONS, false, false, true, false},
+                  {SATIN_SPPM, false, false, false, false}};
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         struct render r = render_film_make(wanted[i].integrator);
         struct satin_film *film = r.image->film;
         assert_int_equal(film_channel(film, "direct.R") != NULL, wanted[i].direct);

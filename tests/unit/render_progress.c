@@ -20,6 +20,7 @@ static void options_decide_the_first_course(void **state) {
         {SATIN_TWO_PASS, -1, COURSE_TWO_PASS},   {SATIN_TWO_PASS, 3, COURSE_TWO_PASS},
         {SATIN_TWO_PASS, 2, COURSE_SHORT_PATHS}, {SATIN_PATH, -1, COURSE_PATHS},
         {SATIN_PHOTONS, 2, COURSE_PHOTONS},      {SATIN_DIRECT, -1, COURSE_DIRECT},
+        {SATIN_SPPM, -1, COURSE_SPPM},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const satin_options o = {.integrator = cases[i].integrator,

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Progressive photon mapping: the mean over passes with new photons each, whose density estimates
+// have smaller radii from pass to pass. Noise and bias both vanish [Hachisuka, Ogaki and Jensen
+// 2008]. Passes have nothing in common but the radius of a point in the first pass, so that a pass
+// depends on its number alone [Knaus and Zwicker 2011].
+//
+// The radius of a point in the first pass is that of the k photons around it in a map that serves
+// for nothing else: it is narrow where photons are dense [Kaplanyan and Dachsbacher 2013, sec. 5,
+// choose it by the curvature of the light too], and does not depend on the photons of an estimate.
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "photon/photon_map.h"
+
+enum {
+    MAP_BOUNCED = 0,  // all photons that have bounced, or without the caustic ones if they have a
+                      // map of their own
+    MAP_CAUSTIC,      // photons that are aimed at specular surfaces
+    MAPS
+};
+enum { OPEN_CHUNK = 256 };  // photons of a chunk
+
+// Between passes the squared radius falls by (i + ALPHA) / (i + 1). With 2/3 the squared bias falls
+// as fast as the variance [Knaus and Zwicker 2011, sec. 4.3].
+static const double ALPHA = 2.0 / 3.0;
+
+// Indirect light is from photons, except in directions that a glossy lobe draws with a larger
+// density [sr^-1]: few photons come from there, so paths continue.
+static const float SHARP_PDF = 3.0f;
+
+struct photon_progressive {
+    const struct satin_scene *scene;
+    const satin_options *options;
+    struct photon_paths paths;
+    struct guide_view view;
+    struct guide_allocation allocation;
+    struct guide_emission *emission;  // NULL: there are no caustics
+    struct photon_map first[MAPS];    // with radii
+    struct photon_map map[MAPS];      // of the present pass
+    uint64_t passes;                  // number of passes, the map of radii not counted
+    float shrink2;  // squared radius in the present pass over that in the first one
+};
+
+// Traces the photons of a pass and builds a map from them.
+static satin_status trace_map(const struct photon_progressive *p, int kind, uint64_t pass,
+                              struct parallel *pool, struct log log, struct stats *stats,
+                              struct photon_map *out) {
+    const bool caustic = kind == MAP_CAUSTIC;
+    const unsigned classes = 1u << PHOTON_INDIRECT | (p->emission ? 0u : 1u << PHOTON_CAUSTIC);
+    const struct photon_tracing tracing = {
+        .scene = p->scene,
+        .seed = rng_mix(p->options->seed + 0x9e3779b97f4a7c15ull * pass),
+        .consumer = {{.paths = caustic ? p->paths.caustic : p->paths.global,
+                      .classes = caustic ? 1u << PHOTON_CAUSTIC : classes,
+                      .allocation = caustic ? NULL : &p->allocation}},
+        .bounces = photon_bounces_left(p->options, 1),
+        .emission = caustic ? p->emission : NULL};
+    struct photon_trace trace[PHOTON_CONSUMERS] = {0};
+    parallel_begin_part(pool, "trace");
+    satin_status status = photon_trace_run(&tracing, pool, log, trace);
+    if (status != SATIN_OK) return status;
+    photon_trace_count(&trace[0], stats);
+    parallel_begin_part(pool, "sort");
+    status = photon_map_build(p->scene, trace[0].hit, trace[0].count, pool, log, out);
+    photon_trace_free(&trace[0]);
+    return status;
+}
+
+// Traces the photons of a pass for all maps.
+static satin_status trace_pass(const struct photon_progressive *p, uint64_t pass,
+                               struct parallel *pool, struct log log, struct stats *stats,
+                               struct photon_map map[MAPS]) {
+    satin_status status = trace_map(p, MAP_BOUNCED, pass, pool, log, stats, &map[MAP_BOUNCED]);
+    if (status != SATIN_OK || !p->emission) return status;
+    return trace_map(p, MAP_CAUSTIC, pass, pool, log, stats, &map[MAP_CAUSTIC]);
+}
+
+struct open_job {
+    const struct satin_scene *scene;
+    struct photon_map *map;
+};
+
+static void find_open(void *ctx, size_t begin, size_t end, int worker) {
+    const struct open_job *job = ctx;
+    const struct photon_map *map = job->map;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        map->open[i] = photon_area_clear(job->scene, photon_position(map, i),
+                                         photon_unpack(map->photon[i].n), sqrtf(map->radius2[i]));
+}
+
+// Finds the radii of a map's photons, and which of their discs no edge or wall cuts.
+static satin_status find_discs(const struct satin_scene *scene, struct photon_map *map, int k,
+                               struct parallel *pool) {
+    if (!map->count) return SATIN_OK;
+    map->stride = 1;
+    map->open = array_new_unset(map->count, sizeof *map->open);
+    if (!map->open) return SATIN_ERROR_MEMORY;
+    satin_status status = photon_map_find_radii(map, k, pool);
+    if (status != SATIN_OK) return status;
+    struct open_job job = {scene, map};
+    return parallel_for(pool, map->count, OPEN_CHUNK, find_open, &job) ? SATIN_OK : SATIN_CANCELLED;
+}
+
+satin_status photon_progressive_new(const struct photon_request *request, struct parallel *pool,
+                                    struct log log, struct stats *stats,
+                                    struct photon_progressive **out) {
+    struct photon_progressive *p = calloc(1, sizeof *p);
+    if (!p) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photon maps");
+    p->scene = request->scene;
+    p->options = request->options;
+    p->paths = request->paths;
+    p->shrink2 = 1.0f;
+    parallel_begin_part(pool, "view");
+    guide_view_make(p->scene, p->options->seed, p->paths.view, pool, &p->view);
+    guide_allocation_make(p->scene, p->options->seed, p->paths.view, pool, &p->allocation);
+    const struct guide_emission_request emission = {p->scene, &p->view, p->options->seed,
+                                                    p->paths.caustic};
+    satin_status status = SATIN_OK;
+    if (p->paths.caustic) status = guide_emission_build(&emission, pool, log, &p->emission);
+    if (status == SATIN_OK) status = trace_pass(p, 0, pool, log, stats, p->first);
+    const int k[MAPS] = {photon_clamp_k(p->options->photon_k),
+                         photon_clamp_k(p->options->caustic_k)};
+    parallel_begin_part(pool, "estimate");
+    for (int i = 0; i < MAPS && status == SATIN_OK; i++)
+        status = find_discs(p->scene, &p->first[i], k[i], pool);
+    if (status == SATIN_OK)
+        *out = p;
+    else
+        photon_progressive_free(p);
+    return status;
+}
+
+static void free_pass(struct photon_map map[MAPS]) {
+    for (int i = 0; i < MAPS; i++) photon_map_free(&map[i]);
+}
+
+void photon_progressive_free(struct photon_progressive *p) {
+    if (!p) return;
+    guide_emission_free(p->emission);
+    free_pass(p->first);
+    free_pass(p->map);
+    free(p);
+}
+
+satin_status photon_progressive_next(struct photon_progressive *p, struct parallel *pool,
+                                     struct log log, struct stats *stats) {
+    struct photon_map map[MAPS] = {{0}};
+    satin_status status = trace_pass(p, p->passes + 1, pool, log, stats, map);
+    if (status != SATIN_OK) {
+        free_pass(map);
+        return status;
+    }
+    free_pass(p->map);
+    for (int i = 0; i < MAPS; i++) p->map[i] = map[i];
+    if (p->passes) p->shrink2 *= (float)(((double)p->passes + ALPHA) / ((double)p->passes + 1.0));
+    p->passes++;
+    return SATIN_OK;
+}
+
+// The radiance that a point reflects of the photons of a map in the present pass. Its squared
+// radius in the first pass is at least that of the nearest photon of that map, and so large that
+// the disc reaches that photon.
+static rgb map_radiance(const struct photon_progressive *progressive, int kind,
+                        const struct shading_point *point, const struct photon_reflection *at) {
+    const struct photon_map *first = &progressive->first[kind], *map = &progressive->map[kind];
+    if (!first->count || !map->count) return rgb_grey(0.0f);
+    int row[PHOTON_K_MAX];
+    float distance2[PHOTON_K_MAX];
+    const vec3 p = point->interaction.p;
+    const float q[3] = {p.x, p.y, p.z};
+    photon_index_nearest(first->index, q, 1, 1, INFINITY, row, distance2);
+    if (row[0] < 0) return rgb_grey(0.0f);
+    const bool open = first->open[row[0]];
+    const float r2 = progressive->shrink2 * fmaxf(first->radius2[row[0]], distance2[0]);
+    struct photon_disc disc = {.map = map,
+                               .p = p,
+                               .n = point->ng,
+                               .kernel = KERNEL_PARABOLA,
+                               .row = row,
+                               .distance2 = distance2,
+                               .r2 = r2};
+    disc.count = photon_index_within(map->index, q, PHOTON_K_MAX, r2, row, distance2);
+    if (disc.count == PHOTON_K_MAX) disc.r2 = photon_radius2(map, row, distance2, disc.count);
+    if (disc.count == 0) return rgb_grey(0.0f);
+    disc.r = sqrtf(disc.r2);
+    photon_disc_scale(&disc, open ? NULL : progressive->scene);
+    return photon_disc_radiance(&disc, at);
+}
+
+rgb photon_progressive_radiance(const struct photon_progressive *p,
+                                const struct shading_point *point, int depth) {
+    struct photon_reflection at =
+        photon_reflection_make(&point->frame, &point->brdf, point->wo_l, BRDF_REFLECT);
+    at.pdf_most = SHARP_PDF;
+    if (p->options->max_depth >= 0) at.bounces = p->options->max_depth - depth - 1;
+    rgb L = rgb_grey(0.0f);
+    for (int i = 0; i < MAPS; i++) L = rgb_add(L, map_radiance(p, i, point, &at));
+    return L;
+}
+
+rgb photon_progressive_rest(const struct shading_point *point, const struct brdf_sample *sample) {
+    const struct brdf *b = &point->brdf;
+    if (!(sample->pdf_w > 0.0f) || !(point->wo_l.z * sample->wi.z > 0.0f)) return sample->weight;
+    if (!brdf_is_sharp(b, point->wo_l, sample->wi, SHARP_PDF)) return rgb_grey(0.0f);
+    const rgb f = brdf_eval(b, point->wo_l, sample->wi, BRDF_GLOSSY);
+    return rgb_scale(f, fabsf(sample->wi.z) / sample->pdf_w);
+}
