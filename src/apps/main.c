@@ -7,7 +7,7 @@
 
 const struct app_command app_commands[] = {
     {"render", "SCENE.xml -o OUT.exr", "Renders a Mitsuba 3 scene.", app_render_flags, app_render},
-    {"compare", "IMAGE.exr REFERENCE.exr", "Measures how far an image is from a reference.",
+    {"compare", "IMAGE.exr... REFERENCE.exr", "Measures how far images are from a reference.",
      app_compare_flags, app_compare},
     {"info", "FILE", "Describes a scene, an image or a file of cache records.", app_info_flags,
      app_info},

@@ -66,6 +66,10 @@ satin_status film_encode_pixels(const char *name, int width, int height, int cha
                                 size_t *size);
 // The factor of auto exposure for R, G and B, planes of the film's size.
 double film_auto_exposure(const struct satin_film *film, const float *const light[3]);
+// The 8-bit sRGB pixels of a picture as satin_film_write_png writes it, from malloc. NULL after a
+// logged error.
+unsigned char *film_picture(const struct satin_film *film, const char *name,
+                            const satin_tonemap *tonemap, struct log log, satin_status *status);
 // Writes a PNG of 8-bit sRGB pixels; `path` appears whole or not at all.
 satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
                                struct log log);
@@ -74,6 +78,9 @@ satin_status film_write_pixels(const char *path, int width, int height, const un
 // value, so that a few outliers do not darken the picture.
 satin_status film_write_map(const struct satin_film *film, const float *value, const char *path,
                             struct log log, float *top);
+// The 8-bit sRGB pixels of such a picture of `count` numbers, from malloc; NULL if there is no
+// memory.
+unsigned char *film_map_pixels(const float *value, size_t count, float *top);
 // Writes the beauty in grey, and in one colour the fraction `dot` of each pixel's area.
 satin_status film_write_dots(const struct satin_film *film, const float *dot, const char *path,
                              struct log log);
@@ -124,5 +131,27 @@ struct film_difference {
 // SATIN_ERROR_INPUT if sizes differ, channels are missing or no pixel is left.
 satin_status film_compare(const struct satin_film *image, const struct satin_film *reference,
                           bool mask_emission, struct log log, struct film_difference *out);
+
+// ---- Parts of images that are compared (film_select.c) ------------------------------------------
+
+// The box x, y, width, height of the pixels that both images have, in the pixels of the whole image
+// of which they are crops. SATIN_ERROR_INPUT, with one logged line, if that differs in size or if
+// they have no common pixel.
+satin_status film_common_box(const struct satin_film *a, const struct satin_film *b, struct log log,
+                             int box[4]);
+// Makes a film of a box of the image (film_common_box) with the first channels R, G and B, which
+// are those of the layer, or of the beauty if `layer` is NULL. Channels of layer emission are there
+// if the image has them, and those of layer variance with the beauty. `name` is for messages.
+// SATIN_ERROR_INPUT, with one logged line, if the image has not all pixels or no such channels.
+satin_status film_select(const struct satin_film *film, const char *name, const char *layer,
+                         const int box[4], struct log log, struct satin_film **out);
+// The error of each pixel of a selected image: the root of the mean of (x - r)^2 / (r^2 + 0.01)
+// over its three channels.
+void film_pixel_errors(const struct satin_film *image, const struct satin_film *reference,
+                       float *out);
+// LDR-FLIP of pictures in linear sRGB, width * height values each, which are clamped to [0, 1]
+// (film_flip.c): `map` is the error of each pixel in [0, 1]; their mean is that of the picture.
+satin_status film_flip(const float *const image[3], const float *const reference[3], int width,
+                       int height, struct log log, float *map);
 
 #endif

@@ -53,23 +53,28 @@ static float top_of(const float *value, size_t count, float *scratch) {
     return scratch[(size_t)(TOP_FRACTION * (double)(n - 1))];
 }
 
-satin_status film_write_map(const struct satin_film *film, const float *value, const char *path,
-                            struct log log, float *top) {
-    const size_t count = (size_t)film->width * (size_t)film->height;
+unsigned char *film_map_pixels(const float *value, size_t count, float *top) {
     float *scratch = malloc(count * sizeof *scratch);
-    unsigned char *pixel = calloc(count, 3);
-    satin_status status = SATIN_ERROR_MEMORY;
-    if (scratch && pixel) {
+    unsigned char *pixel = scratch ? calloc(count, 3) : NULL;
+    if (pixel) {
         const float most = top_of(value, count, scratch);
         for (size_t i = 0; i < count; i++)
             if (value[i] > 0.0f && isfinite(value[i]))
                 put_color(&pixel[3 * i], ramp(fminf(value[i] / most, 1.0f)));
-        status = film_write_pixels(path, film->width, film->height, pixel, log);
-        if (status == SATIN_OK) *top = most;
-    } else {
-        log_fail(log, status, "%s: not enough memory", path);
+        *top = most;
     }
     free(scratch);
+    return pixel;
+}
+
+satin_status film_write_map(const struct satin_film *film, const float *value, const char *path,
+                            struct log log, float *top) {
+    float most;
+    unsigned char *pixel =
+        film_map_pixels(value, (size_t)film->width * (size_t)film->height, &most);
+    if (!pixel) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    const satin_status status = film_write_pixels(path, film->width, film->height, pixel, log);
+    if (status == SATIN_OK) *top = most;
     free(pixel);
     return status;
 }

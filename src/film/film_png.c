@@ -75,7 +75,7 @@ static float filmic(float x) {
 }
 
 // The channel .R, .G or .B of a layer, or of the beauty if `layer` is NULL.
-static const float *layer_channel(const struct satin_film *film, const char *layer, char colour) {
+static const float *shown_channel(const struct satin_film *film, const char *layer, char colour) {
     for (int i = 0; i < film->channel_count; i++) {
         const char *name = film->channel_name[i];
         const size_t before = strlen(name) - 1;
@@ -88,25 +88,30 @@ static const float *layer_channel(const struct satin_film *film, const char *lay
     return NULL;
 }
 
-satin_status satin_film_write_png(const satin_film *film, const char *path,
-                                  const satin_tonemap *tonemap, satin_log_fn log_fn,
-                                  void *log_user) {
+unsigned char *film_picture(const struct satin_film *film, const char *name,
+                            const satin_tonemap *tonemap, struct log log, satin_status *status) {
     static const satin_tonemap plain = {0};
     const satin_tonemap *map = tonemap ? tonemap : &plain;
-    const struct log log = {log_fn, log_user};
-    const float *const light[3] = {layer_channel(film, map->layer, 'R'),
-                                   layer_channel(film, map->layer, 'G'),
-                                   layer_channel(film, map->layer, 'B')};
+    const float *const light[3] = {shown_channel(film, map->layer, 'R'),
+                                   shown_channel(film, map->layer, 'G'),
+                                   shown_channel(film, map->layer, 'B')};
+    *status = SATIN_ERROR_ARGUMENT;
     if (!light[0] || !light[1] || !light[2]) {
         const char *dot = map->layer ? "." : "", *layer = map->layer ? map->layer : "";
-        return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the film has no channels %s%sR, G and B",
-                        path, layer, dot);
+        log_fail(log, *status, "%s: the film has no channels %s%sR, G and B", name, layer, dot);
+        return NULL;
     }
-    if (!isfinite(map->exposure))
-        return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the exposure is not finite", path);
+    if (!isfinite(map->exposure)) {
+        log_fail(log, *status, "%s: the exposure is not finite", name);
+        return NULL;
+    }
     const size_t pixels = (size_t)film->width * (size_t)film->height;
     unsigned char *pixel = malloc(3 * pixels);
-    if (!pixel) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    *status = pixel ? SATIN_OK : SATIN_ERROR_MEMORY;
+    if (!pixel) {
+        log_fail(log, *status, "%s: not enough memory", name);
+        return NULL;
+    }
     const float factor = (float)(exp2((double)map->exposure) *
                                  (map->auto_exposure ? film_auto_exposure(film, light) : 1.0));
     for (size_t i = 0; i < pixels; i++)
@@ -115,7 +120,16 @@ satin_status satin_film_write_png(const satin_film *film, const char *path,
             pixel[3 * i + (size_t)c] =
                 film_encode_srgb(map->curve == SATIN_TONE_FILMIC ? filmic(x) : x);
         }
-    const satin_status status = film_write_pixels(path, film->width, film->height, pixel, log);
+    return pixel;
+}
+
+satin_status satin_film_write_png(const satin_film *film, const char *path,
+                                  const satin_tonemap *tonemap, satin_log_fn log_fn,
+                                  void *log_user) {
+    const struct log log = {log_fn, log_user};
+    satin_status status;
+    unsigned char *pixel = film_picture(film, path, tonemap, log, &status);
+    if (pixel) status = film_write_pixels(path, film->width, film->height, pixel, log);
     free(pixel);
     return status;
 }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The comparison of images with one reference, between the command and its page.
+#ifndef APP_COMPARE_H
+#define APP_COMPARE_H
+
+#include <stdbool.h>
+
+#include "film/film.h"
+
+struct app_compared {
+    const char *path;
+    struct satin_film *image, *reference;  // selected parts (film_select); owned
+    struct film_difference difference;
+    float *error;  // of each pixel (film_pixel_errors); owned
+    float *flip;   // of each pixel, or NULL; owned
+    double flip_mean;
+};
+
+// Writes a page that shows the images, with no file beside it (app_compare_page.c).
+satin_status app_compare_page(const char *path, const char *reference,
+                              const struct app_compared *compared, int count, struct log log);
+
+#endif
