@@ -23,17 +23,14 @@ def reference(options, alpha):
     if not os.path.exists(path):
         define = ["-D", "alpha=" + alpha]
         parts = [runs.render(options, SCENE, f"{name}-part{i}", *define, "--integrator", "path",
-                             "--spp", str(options.spp // PARTS), "--seed", str(1000 + i))[0]
-                 for i in range(PARTS)]
-        mask, _ = runs.render(options, SCENE, name + "-mask", *define, "--integrator", "direct",
-                              "--spp", "16")
-        runs.run([options.average, path, mask, *parts])
+                             "--spp", str(options.spp // PARTS), "--seed", str(1000 + i),
+                             "--float")[0] for i in range(PARTS)]
+        runs.run([options.satin, "average", *parts, "-o", path])
     return name
 
 
 def main():
     parser = runs.parser(__doc__)
-    parser.add_argument("--average", default=os.path.join(runs.ROOT, "build", "bench", "average"))
     parser.add_argument("--spp", type=int, default=4096, help="of references")
     options = parser.parse_args()
     print("| alpha | adapted: records | relMSE x 10^4 | uniform: records | relMSE x 10^4 |")

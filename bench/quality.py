@@ -34,12 +34,10 @@ def references(options):
             parts.append(part)
             if not os.path.exists(part):
                 runs.run([options.satin, "render", scene_file(name), "-o", part, "--integrator",
-                          "path", "--spp", str(options.spp), "--seed", str(1000 + seed), "--quiet"]
-                         + options.extra.split())
-        mask = os.path.join(options.dir, label(name) + "-mask.exr")
-        runs.run([options.satin, "render", scene_file(name), "-o", mask, "--integrator", "direct",
-                  "--spp", "64", "--set", "light_samples=1", "--quiet"] + options.extra.split())
-        runs.run([options.average, os.path.join(options.dir, label(name) + ".exr"), mask] + parts)
+                          "path", "--spp", str(options.spp), "--seed", str(1000 + seed), "--float",
+                          "--quiet"] + options.extra.split())
+        runs.run([options.satin, "average", *parts, "-o",
+                  os.path.join(options.dir, label(name) + ".exr")])
 
 
 def measure_one(options, name, args):
@@ -79,7 +77,6 @@ def measure(options):
 def main():
     parser = runs.parser(__doc__, what=["references", "measure"])
     parser.add_argument("scene", nargs="*", default=SCENES)
-    parser.add_argument("--average", default=os.path.join(runs.ROOT, "build", "bench", "average"))
     parser.add_argument("--parts", type=int, default=16)
     parser.add_argument("--spp", type=int, default=256)
     parser.add_argument("--path", action="store_true", help="measure path tracing for 11 s too")

@@ -20,6 +20,7 @@ enum app_exit app_exit_of(satin_status status);
 
 int app_render(int argc, char **argv);
 int app_compare(int argc, char **argv);
+int app_average(int argc, char **argv);
 int app_info(int argc, char **argv);
 int app_maps(int argc, char **argv);
 int app_tonemap(int argc, char **argv);
@@ -64,6 +65,7 @@ extern const struct app_command app_commands[];  // ended by a NULL name
 
 extern const struct app_flag app_render_flags[];
 extern const struct app_flag app_compare_flags[];
+extern const struct app_flag app_average_flags[];
 extern const struct app_flag app_info_flags[];
 extern const struct app_flag app_maps_flags[];
 extern const struct app_flag app_tonemap_flags[];

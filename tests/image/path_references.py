@@ -31,7 +31,7 @@ def render(satin, scene, size, spp, seed, out):
     if not out.exists():
         subprocess.run([satin, "render", scene, "-o", out, "--integrator", "path", "--spp",
                         str(spp), "--seed", str(seed), "-D", "filter=box", "--width", str(size),
-                        "--height", str(size), "--quiet"], check=True)
+                        "--height", str(size), "--float", "--quiet"], check=True)
     with OpenEXR.File(str(out), separate_channels=True) as image:
         return np.stack([image.channels()[c].pixels.astype(np.float64) for c in "RGB"], axis=2)
 
