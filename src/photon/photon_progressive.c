@@ -17,7 +17,7 @@ enum {
     MAP_BOUNCED = 0,  // all photons that have bounced, or without the caustic ones if they have a
                       // map of their own
     MAP_CAUSTIC,      // photons that are aimed at specular surfaces
-    MAPS
+    PROGRESSIVE_MAPS
 };
 enum { OPEN_CHUNK = 256 };  // photons of a chunk
 
@@ -35,10 +35,10 @@ struct photon_progressive {
     struct photon_paths paths;
     struct guide_view view;
     struct guide_allocation allocation;
-    struct guide_emission *emission;  // NULL: there are no caustics
-    struct photon_map first[MAPS];    // with radii
-    struct photon_map map[MAPS];      // of the present pass
-    uint64_t passes;                  // number of passes, the map of radii not counted
+    struct guide_emission *emission;            // NULL: there are no caustics
+    struct photon_map first[PROGRESSIVE_MAPS];  // with radii
+    struct photon_map map[PROGRESSIVE_MAPS];    // of the present pass
+    uint64_t passes;                            // number of passes, the map of radii not counted
     float shrink2;  // squared radius in the present pass over that in the first one
 };
 
@@ -70,7 +70,7 @@ static satin_status trace_map(const struct photon_progressive *p, int kind, uint
 // Traces the photons of a pass for all maps.
 static satin_status trace_pass(const struct photon_progressive *p, uint64_t pass,
                                struct parallel *pool, struct log log, struct stats *stats,
-                               struct photon_map map[MAPS]) {
+                               struct photon_map map[PROGRESSIVE_MAPS]) {
     satin_status status = trace_map(p, MAP_BOUNCED, pass, pool, log, stats, &map[MAP_BOUNCED]);
     if (status != SATIN_OK || !p->emission) return status;
     return trace_map(p, MAP_CAUSTIC, pass, pool, log, stats, &map[MAP_CAUSTIC]);
@@ -120,10 +120,10 @@ satin_status photon_progressive_new(const struct photon_request *request, struct
     satin_status status = SATIN_OK;
     if (p->paths.caustic) status = guide_emission_build(&emission, pool, log, &p->emission);
     if (status == SATIN_OK) status = trace_pass(p, 0, pool, log, stats, p->first);
-    const int k[MAPS] = {photon_clamp_k(p->options->photon_k),
-                         photon_clamp_k(p->options->caustic_k)};
+    const int k[PROGRESSIVE_MAPS] = {photon_clamp_k(p->options->photon_k),
+                                     photon_clamp_k(p->options->caustic_k)};
     parallel_begin_part(pool, "estimate");
-    for (int i = 0; i < MAPS && status == SATIN_OK; i++)
+    for (int i = 0; i < PROGRESSIVE_MAPS && status == SATIN_OK; i++)
         status = find_discs(p->scene, &p->first[i], k[i], pool);
     if (status == SATIN_OK)
         *out = p;
@@ -132,8 +132,8 @@ satin_status photon_progressive_new(const struct photon_request *request, struct
     return status;
 }
 
-static void free_pass(struct photon_map map[MAPS]) {
-    for (int i = 0; i < MAPS; i++) photon_map_free(&map[i]);
+static void free_pass(struct photon_map map[PROGRESSIVE_MAPS]) {
+    for (int i = 0; i < PROGRESSIVE_MAPS; i++) photon_map_free(&map[i]);
 }
 
 void photon_progressive_free(struct photon_progressive *p) {
@@ -146,14 +146,14 @@ void photon_progressive_free(struct photon_progressive *p) {
 
 satin_status photon_progressive_next(struct photon_progressive *p, struct parallel *pool,
                                      struct log log, struct stats *stats) {
-    struct photon_map map[MAPS] = {{0}};
+    struct photon_map map[PROGRESSIVE_MAPS] = {{0}};
     satin_status status = trace_pass(p, p->passes + 1, pool, log, stats, map);
     if (status != SATIN_OK) {
         free_pass(map);
         return status;
     }
     free_pass(p->map);
-    for (int i = 0; i < MAPS; i++) p->map[i] = map[i];
+    for (int i = 0; i < PROGRESSIVE_MAPS; i++) p->map[i] = map[i];
     if (p->passes) p->shrink2 *= (float)(((double)p->passes + ALPHA) / ((double)p->passes + 1.0));
     p->passes++;
     return SATIN_OK;
@@ -196,7 +196,7 @@ rgb photon_progressive_radiance(const struct photon_progressive *p,
     at.pdf_most = SHARP_PDF;
     if (p->options->max_depth >= 0) at.bounces = p->options->max_depth - depth - 1;
     rgb L = rgb_grey(0.0f);
-    for (int i = 0; i < MAPS; i++) L = rgb_add(L, map_radiance(p, i, point, &at));
+    for (int i = 0; i < PROGRESSIVE_MAPS; i++) L = rgb_add(L, map_radiance(p, i, point, &at));
     return L;
 }
 
