@@ -145,7 +145,7 @@ void fill_evaluate_point(const struct fill_adaptation *c, const struct fill_site
             if (shrinking >> i & 1u && !may_shrink(c, s, p->with[i].record))
                 shrinking &= ~(1u << i);
         if (!shrinking) return;
-        p->shrinking |= (uint8_t)shrinking;
+        p->shrinking |= shrinking;
         mask &= ~shrinking;
     }
 }

@@ -98,9 +98,60 @@ static void threads_do_not_change_adapted_records(void **state) {
     fill_case_free(&b);
 }
 
+// The largest difference, over the mean, of the light of a record at any site from that of all
+// records that are read there, among those that are farther away than the least radius. *reads is
+// set to the mean number of records that are read.
+static float largest_difference(const struct fill_case *f, float a, float *reads) {
+    const struct cache_tree *tree = &f->cache->store[CACHE_IRRADIANCE].tree;
+    struct cache_near near[CACHE_NEAR_MAX];
+    float most = 0.0f;
+    *reads = 0.0f;
+    for (int k = 0; k < FILL_CASE_SITES; k++) {
+        const struct fill_site *s = &f->site[k];
+        const int count = cache_find(f->cache, tree, s->p, s->frame.n, a, near);
+        float sum = 0.0f, weights = 0.0f;
+        for (int i = 0; i < count; i++) {
+            sum += near[i].weight * f->cache->irradiance[near[i].record].value.E.g;
+            weights += near[i].weight;
+        }
+        for (int i = 0; i < count; i++) {
+            const float E = f->cache->irradiance[near[i].record].value.E.g;
+            if (v3_dist2(tree->head[near[i].record].p, s->p) > sqrf(CACHE_ADAPTIVE_PIXEL))
+                most = fmaxf(most, fabsf(E * weights / sum - 1.0f));
+        }
+        *reads += (float)count / FILL_CASE_SITES;
+    }
+    return most;
+}
+
+// All records that are read are tested, where some 16 are read at a point.
+static void no_record_is_read_untested(void **state) {
+    (void)state;
+    static const float READ = 0.7f;
+    struct fill_case f;
+    fill_adaptive_start(&f, 1);
+    const struct fill_sites sites = {
+        .site = f.site, .count = FILL_CASE_SITES, .a = 0.3f, .widest = 2.5f, .spacing = 0.5f};
+    assert_int_equal(fill_records(f.fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
+    for (int i = 0; i < FILL_CASE_SITES; i++) {
+        f.site[i].shading_p = f.site[i].p;
+        f.site[i].diffuse = rgb_grey(0.8f / PI_F);
+    }
+    float reads, last;
+    const float before = largest_difference(&f, READ, &reads);
+    assert_int_equal(fill_adapt(f.fill, CACHE_IRRADIANCE, &sites, READ), SATIN_OK);
+    const float after = largest_difference(&f, READ, &last);
+    print_message("%.1f records per point, difference %.2f, adapted %.2f\n", (double)reads,
+                  (double)before, (double)after);
+    assert_true(reads > 12.0f && before > 2.0f);
+    assert_true(after < 0.75f);  // 1.5 if six of them are tested
+    fill_case_free(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_are_added_where_they_disagree),
+        cmocka_unit_test(no_record_is_read_untested),
         cmocka_unit_test(direct_light_hides_differences),
         cmocka_unit_test(threads_do_not_change_adapted_records),
     };
