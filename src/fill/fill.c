@@ -23,6 +23,7 @@ struct fill *fill_new(struct cache *cache, const struct gather *g, struct parall
     f->g = g;
     f->pool = pool;
     f->rays_fraction = 1.0f;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) f->radius_fraction[k] = 1.0f;
     f->irradiance_whole =
         gather_layout_new(g->options->irradiance_rays, g->options->radiance_basis, 0);
     if (!f->irradiance_whole) goto fail;
@@ -49,8 +50,7 @@ void fill_free(struct fill *fill) {
 }
 
 void fill_limit_radius(struct fill *fill, enum cache_kind kind, float fraction) {
-    fill->cache->store[kind].options.min_pixels =
-        fraction * cache_options_of(fill->g->options, kind).min_pixels;
+    fill->radius_fraction[kind] = fraction;
 }
 
 void fill_statistics(const struct fill *fill, struct stats *stats) {

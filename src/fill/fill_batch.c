@@ -182,7 +182,7 @@ static bool make_irradiance(const struct batch *b, struct job *job, const struct
     gather_hemisphere_irradiance(b->fill->g, from->worker->hemisphere, &job->irradiance);
     if (job->around.deviation > UNSURE) gather_more(b, job, from);
     if (!fill_valid_irradiance(&job->irradiance, &job->around)) return false;
-    job->extent = fill_extent_irradiance(b->cache, job->site, &job->around, &job->irradiance);
+    job->extent = fill_extent_irradiance(b->fill, job->site, &job->around, &job->irradiance);
     return true;
 }
 
@@ -201,7 +201,7 @@ static bool make_radiance(const struct batch *b, struct job *job, const struct g
     if (!fill_valid_radiance(&job->radiance, b->store->order, &job->around) ||
         !rgb_finite(job->residual.L))
         return false;
-    job->extent = fill_extent_radiance(b->cache, job->site, &job->around, &job->radiance);
+    job->extent = fill_extent_radiance(b->fill, job->site, &job->around, &job->radiance);
     interleave(&job->radiance, b->store->order * b->store->order, job->value);
     return true;
 }
@@ -249,11 +249,10 @@ static float first_scale(const struct cache_tree *tree, const struct fill_site *
 }
 
 // Limits a new record and its neighbours by each other, if the options include that.
-static void clamp_extent(struct cache_store *store, const struct fill_site *s,
-                         struct fill_extent *x) {
-    if (!store->options.neighbour_clamp) return;
-    x->R = fill_neighbour_clamp(&store->tree, s->p, s->frame.n, x->R);
-    x->R = fmaxf(x->R, fill_least_radius(&store->options, s->pixel));
+static void clamp_extent(const struct batch *b, const struct fill_site *s, struct fill_extent *x) {
+    if (!b->store->options.neighbour_clamp) return;
+    x->R = fill_neighbour_clamp(&b->store->tree, s->p, s->frame.n, x->R);
+    x->R = fmaxf(x->R, fill_least_radius(b->fill, b->kind, s->pixel));
     x->across = fminf(x->across, x->R);
 }
 
@@ -280,7 +279,7 @@ static struct cache_head make_head(const struct batch *b, const struct job *job,
 
 static bool insert_irradiance(struct batch *b, struct job *job) {
     struct fill_extent x = job->extent;
-    clamp_extent(b->store, job->site, &x);
+    clamp_extent(b, job->site, &x);
     const struct cache_head head = make_head(b, job, &x);
     const struct cache_irradiance_record record = {job->irradiance, job->around.deviation,
                                                    x.radius_ratio};
@@ -289,7 +288,7 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
 
 static bool insert_radiance(struct batch *b, struct job *job) {
     struct fill_extent x = job->extent;
-    clamp_extent(b->store, job->site, &x);
+    clamp_extent(b, job->site, &x);
     const struct cache_head head = make_head(b, job, &x);
     const struct cache_radiance_record record = {job->site->frame, job->value, x.radius_ratio,
                                                  job->radiance.rays, job->residual};

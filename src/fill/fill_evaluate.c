@@ -90,7 +90,7 @@ static float noise_of(const struct fill_point *p) {
 static bool may_shrink(const struct fill_adaptation *c, const struct fill_site *s,
                        uint32_t record) {
     const struct cache_options *o = &c->cache->store[c->kind].options;
-    const float least = o->a * fill_least_radius(o, s->pixel);
+    const float least = o->a * fill_least_radius(c->fill, c->kind, s->pixel);
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }
 

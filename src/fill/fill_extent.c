@@ -44,8 +44,10 @@ static struct fill_extent by_hessian(const struct gather_surroundings *around,
 }
 
 // If the least radius of the options exceeds the largest one, the largest is used.
-float fill_least_radius(const struct cache_options *o, float pixel) {
-    const float R = fminf(o->min_pixels, o->max_pixels) * pixel / o->a;
+float fill_least_radius(const struct fill *fill, enum cache_kind kind, float pixel) {
+    const struct cache_options *o = &fill->cache->store[kind].options;
+    const float least = fill->radius_fraction[kind] * o->min_pixels;
+    const float R = fminf(least, o->max_pixels) * pixel / o->a;
     return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
 }
 
@@ -69,9 +71,10 @@ static vec3 luminance_gradient(const struct cache_irradiance_value *value) {
     return v3_mad(grad, LUMINANCE_B, value->grad_t[2]);
 }
 
-struct fill_extent fill_extent_irradiance(const struct cache *cache, const struct fill_site *site,
+struct fill_extent fill_extent_irradiance(const struct fill *fill, const struct fill_site *site,
                                           const struct gather_surroundings *around,
                                           struct cache_irradiance_value *value) {
+    const struct cache *cache = fill->cache;
     const struct cache_options *o = &cache->store[CACHE_IRRADIANCE].options;
     const float E = rgb_luminance(value->E);
     struct fill_extent x = o->radius == SATIN_RADIUS_HESSIAN
@@ -81,7 +84,8 @@ struct fill_extent fill_extent_irradiance(const struct cache *cache, const struc
     // E may not change by more than itself within R [K05 6.5.1].
     const float slope = v3_len(luminance_gradient(value));
     if (o->gradient_clamp && slope * x.R > E && E > 0.0f) limit_extent(&x, E / slope);
-    clamp_radii(&x, fill_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
+    clamp_radii(&x, fill_least_radius(fill, CACHE_IRRADIANCE, site->pixel),
+                o->max_pixels * site->pixel / o->a);
     // The gradient must not extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
@@ -104,9 +108,10 @@ static void lengths2(const struct gather_radiance *value, int n2, int channel, f
     }
 }
 
-struct fill_extent fill_extent_radiance(const struct cache *cache, const struct fill_site *site,
+struct fill_extent fill_extent_radiance(const struct fill *fill, const struct fill_site *site,
                                         const struct gather_surroundings *around,
                                         struct gather_radiance *value) {
+    const struct cache *cache = fill->cache;
     const struct cache_store *store = &cache->store[CACHE_RADIANCE];
     const struct cache_options *o = &store->options;
     const int n2 = store->order * store->order;
@@ -118,7 +123,8 @@ struct fill_extent fill_extent_radiance(const struct cache *cache, const struct 
     // As for E, the vector may not change by more than its length within R. Measured where a wall
     // reflects a box near it: with this limit, half of the records are enough for the same error.
     if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit_extent(&x, size / slope);
-    clamp_radii(&x, fill_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
+    clamp_radii(&x, fill_least_radius(fill, CACHE_RADIANCE, site->pixel),
+                o->max_pixels * site->pixel / o->a);
     for (int c = 0; c < 3; c++) {
         float change = x.radius_ratio * sqrtf(slope2[c]) * o->a * o->widen * x.R;
         float length = sqrtf(size2[c]),

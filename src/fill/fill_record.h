@@ -17,6 +17,7 @@ struct fill {
     struct gather_layout *layout[CACHE_KINDS][FILL_LAYOUTS];
     struct gather_layout *irradiance_whole;  // with all the rays of the options
     float rays_fraction;                     // fraction of the options' rays that new records get
+    float radius_fraction[CACHE_KINDS];      // of the options' least radius, for new records
     struct gather_worker *worker;            // one for each worker of the pool
     int worker_count;
     uint64_t refused;  // number of records that were not finite or out of range
@@ -40,14 +41,15 @@ struct fill_extent {
 };
 // The extent of a record from what its rays found around it [K05 3.3, 6.5.1]. Scales down the
 // gradients of *value if R is larger than the distance for which they are valid.
-struct fill_extent fill_extent_irradiance(const struct cache *cache, const struct fill_site *site,
+struct fill_extent fill_extent_irradiance(const struct fill *fill, const struct fill_site *site,
                                           const struct gather_surroundings *around,
                                           struct cache_irradiance_value *value);
-struct fill_extent fill_extent_radiance(const struct cache *cache, const struct fill_site *site,
+struct fill_extent fill_extent_radiance(const struct fill *fill, const struct fill_site *site,
                                         const struct gather_surroundings *around,
                                         struct gather_radiance *value);
-// The least R of records at a pixel width: the options' least radius in pixels, over a.
-float fill_least_radius(const struct cache_options *options, float pixel);
+// The least R of new records of a kind at a pixel width: the fraction of the options' least radius
+// in pixels, over a.
+float fill_least_radius(const struct fill *fill, enum cache_kind kind, float pixel);
 // Neighbour clamping [K05 6.5.2] (fill_neighbour_clamp.c): returns R of a new record at (p, n),
 // limited by its neighbours in the tree, and limits those of the neighbours by the new one.
 float fill_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R);

@@ -116,6 +116,17 @@ static satin_status bounce_records(struct render *r) {
     return render_steps(r)->records ? render_bounces(r) : SATIN_OK;
 }
 
+// Makes what the image and the search for sites need. `cache` may be NULL if the course does not
+// interpolate.
+static satin_status prepare_shading(struct render *r, const struct cache *cache) {
+    struct render_second_pass *pass = &r->second_pass;
+    const bool interpolates = render_steps(r)->interpolates;
+    const struct cache_reader records =
+        cache_reader_make(interpolates ? cache : NULL, &pass->tables, pass->gather.options);
+    return shade_init(&pass->shade, &pass->gather, records, interpolates,
+                      render_budget_missing(&r->options), r->pool);
+}
+
 // Makes an empty cache, and what the image and the search for sites need.
 static satin_status prepare_second_pass(struct render *r) {
     struct render_second_pass *pass = &r->second_pass;
@@ -123,9 +134,7 @@ static satin_status prepare_second_pass(struct render *r) {
     if (!pass->cache) return SATIN_ERROR_MEMORY;
     pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
     if (!pass->fill) return SATIN_ERROR_MEMORY;
-    return shade_init(&pass->shade, &pass->gather, &pass->tables,
-                      render_steps(r)->interpolates ? pass->cache : NULL,
-                      render_budget_missing(&r->options), r->pool);
+    return prepare_shading(r, pass->cache);
 }
 
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
@@ -140,8 +149,7 @@ static satin_status sample_coarse(struct render *r, enum render_course course) {
     if (course == COURSE_COARSE_DIRECT) {
         shade_destroy(&pass->shade);
         pass->gather = gather_make(&r->scene, &pass->options, NULL);
-        satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL,
-                                         render_budget_missing(&r->options), r->pool);
+        satin_status status = prepare_shading(r, NULL);
         if (status != SATIN_OK) return status;
     }
     render_limit_coarse(r);

@@ -7,14 +7,10 @@
 #include "shade/shade_aov.h"
 #include "shade/shade_two_pass.h"
 
-satin_status shade_init(struct shade *shade, const struct gather *g,
-                        const struct cache_tables *tables, const struct cache *cache,
-                        struct shade_missing missing, struct parallel *pool) {
+satin_status shade_init(struct shade *shade, const struct gather *g, struct cache_reader records,
+                        bool interpolates, struct shade_missing missing, struct parallel *pool) {
     const satin_options *o = g->options;
-    struct shade s = {.g = g,
-                      .records = cache_reader_make(cache, tables, o),
-                      .interpolates = cache,
-                      .missing = missing};
+    struct shade s = {.g = g, .records = records, .interpolates = interpolates, .missing = missing};
     film_filter_make(&g->scene->film, &s.filter);
     // The footprint of a pixel is divided among its samples.
     if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));

@@ -61,11 +61,10 @@ struct shade {
     int worker_count;
 };
 
-// Samples read the records of `cache`; NULL: there are none. `missing.rays` is at least 1 and at
-// most SATIN_GLOSSY_SAMPLES_MAX.
-satin_status shade_init(struct shade *shade, const struct gather *g,
-                        const struct cache_tables *tables, const struct cache *cache,
-                        struct shade_missing missing, struct parallel *pool);
+// `interpolates` needs a cache in `records`. `missing.rays` is at least 1 and at most
+// SATIN_GLOSSY_SAMPLES_MAX.
+satin_status shade_init(struct shade *shade, const struct gather *g, struct cache_reader records,
+                        bool interpolates, struct shade_missing missing, struct parallel *pool);
 void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
 // Counts of a chunk of samples, which the caller adds up.

@@ -17,6 +17,7 @@ struct fill_extent_fixture {
     struct satin_scene scene;
     satin_options options;
     struct cache cache;
+    struct fill fill;
 };
 
 static void fill_extent_start(struct fill_extent_fixture *f) {
@@ -26,6 +27,7 @@ static void fill_extent_start(struct fill_extent_fixture *f) {
     f->options.irradiance_min_pixels = f->options.radiance_min_pixels = 3.0f;
     f->options.irradiance_max_pixels = f->options.radiance_max_pixels = 20.0f;
     f->cache = (struct cache){.scene = &f->scene, .store[CACHE_RADIANCE].order = 1};
+    f->fill = (struct fill){.cache = &f->cache, .radius_fraction = {1.0f, 1.0f}};
 }
 
 // Copies the options to the cache.
@@ -44,8 +46,8 @@ static float fill_extent_pixels(struct fill_extent_fixture *f, float distance) {
     float lambda[3] = {1, 1, 1}, dx[3] = {0}, dy[3] = {0};
     struct cache_irradiance_value E = {.E = rgb_grey(1.0f)};
     struct gather_radiance L = {.lambda = lambda, .dx = dx, .dy = dy};
-    const float R = fill_extent_irradiance(&f->cache, &site, &around, &E).R;
-    assert_true(fill_extent_radiance(&f->cache, &site, &around, &L).R == R);
+    const float R = fill_extent_irradiance(&f->fill, &site, &around, &E).R;
+    assert_true(fill_extent_radiance(&f->fill, &site, &around, &L).R == R);
     return R * 0.5f / FILL_EXTENT_PIXEL;
 }
 
@@ -56,6 +58,8 @@ static void pixels_bound_what_rays_found(void **state) {
     assert_float_equal(fill_extent_pixels(&f, 0.2f), 10.0f, 1e-4f);
     assert_float_equal(fill_extent_pixels(&f, 0.001f), 3.0f, 1e-4f);
     assert_float_equal(fill_extent_pixels(&f, 5.0f), 20.0f, 1e-4f);
+    f.fill.radius_fraction[CACHE_IRRADIANCE] = f.fill.radius_fraction[CACHE_RADIANCE] = 0.5f;
+    assert_float_equal(fill_extent_pixels(&f, 0.001f), 1.5f, 1e-4f);
 }
 
 static void largest_pixels_win_over_least(void **state) {
@@ -74,9 +78,8 @@ static void scene_units_win_over_pixels(void **state) {
     f.options.record_max_radius = 0.02f;  // one pixel
     assert_float_equal(fill_extent_pixels(&f, 0.001f), 1.0f, 1e-4f);
     assert_float_equal(fill_extent_pixels(&f, 5.0f), 1.0f, 1e-4f);
-    assert_float_equal(
-        fill_least_radius(&f.cache.store[CACHE_IRRADIANCE].options, FILL_EXTENT_PIXEL), 0.02f,
-        1e-6f);
+    assert_float_equal(fill_least_radius(&f.fill, CACHE_IRRADIANCE, FILL_EXTENT_PIXEL), 0.02f,
+                       1e-6f);
 }
 
 // A record whose radius is larger than its rays measured has a radius ratio below 1; one whose
@@ -90,10 +93,10 @@ static void the_radius_ratio_compares_with_the_wanted_radius(void **state) {
                                    .pixel = FILL_EXTENT_PIXEL};
     struct gather_surroundings around = {.harmonic = 0.03f};
     struct cache_irradiance_value E = {.E = rgb_grey(1.0f)};
-    assert_float_equal(fill_extent_irradiance(&f.cache, &site, &around, &E).radius_ratio, 0.5f,
+    assert_float_equal(fill_extent_irradiance(&f.fill, &site, &around, &E).radius_ratio, 0.5f,
                        1e-5f);
     around.harmonic = 5.0f;
-    assert_float_equal(fill_extent_irradiance(&f.cache, &site, &around, &E).radius_ratio, 1.0f,
+    assert_float_equal(fill_extent_irradiance(&f.fill, &site, &around, &E).radius_ratio, 1.0f,
                        1e-5f);
 }
 
