@@ -121,11 +121,11 @@ static bool is_oversized(const struct cache *cache, ratio_fn *ratio, const struc
 }
 
 // The luminance by single records, weighted sums.
-struct spread {
+struct disagreement {
     float weight, Y, Y2;
 };
 
-static void add_spread(struct spread *sum, const struct taylor *t, float weight) {
+static void add_disagreement(struct disagreement *sum, const struct taylor *t, float weight) {
     const float Y = rgb_luminance(value_alone(t));
     sum->weight += weight;
     sum->Y += weight * Y;
@@ -134,7 +134,7 @@ static void add_spread(struct spread *sum, const struct taylor *t, float weight)
 
 // Where records are oversized, their disagreement is the error of interpolation. It is accepted if
 // gathering is noisier.
-static bool spread_exceeds(const struct spread *sum, float gather_deviation) {
+static bool disagreement_exceeds(const struct disagreement *sum, float gather_deviation) {
     const float variance = sum->weight * sum->Y2 - sqrf(sum->Y);
     return variance > sqrf(gather_deviation * sum->Y);
 }
@@ -155,17 +155,17 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     const int count = find_or_nearest(cache, tree, at, a, near);
     if (count == 0) return used;
     struct taylor sum = {0};
-    struct spread spread = {0};
+    struct disagreement sums = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const struct taylor t = irradiance_of(cache, record, at, a);
         add_record(&sum, &t, near[i].weight);
-        add_spread(&spread, &t, near[i].weight);
+        add_disagreement(&sums, &t, near[i].weight);
         add_used(&used, &tree->head[record], near[i].weight, whole,
                  cache->irradiance[record].value.rays);
     }
     if (is_oversized(cache, irradiance_ratio, near, count) &&
-        (count == 1 || spread_exceeds(&spread, at->gather_deviation)))
+        (count == 1 || disagreement_exceeds(&sums, at->gather_deviation)))
         return (struct cache_used){0};
     *E = mean_value(&sum, used.weight);
     return used;
@@ -227,7 +227,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     struct taylor reflected = {0}, diffuse = {0};
-    struct spread glossy_spread = {0}, diffuse_spread = {0};
+    struct disagreement glossy_sums = {0}, diffuse_sums = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const float w = near[i].weight;
@@ -235,18 +235,18 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
         if (lobe) {
             t = radiance_of(cache, record, at, a, *lobe, NULL);
             add_record(&reflected, &t, w);
-            add_spread(&glossy_spread, &t, w);
+            add_disagreement(&glossy_sums, &t, w);
         }
         if (E) {
             t = radiance_of(cache, record, at, a, cosine, NULL);
             add_record(&diffuse, &t, w);
-            add_spread(&diffuse_spread, &t, w);
+            add_disagreement(&diffuse_sums, &t, w);
         }
         add_used(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
     }
     if (is_oversized(cache, radiance_ratio, near, count) &&
-        (count == 1 || spread_exceeds(&glossy_spread, at->gather_deviation) ||
-         spread_exceeds(&diffuse_spread, at->gather_deviation)))
+        (count == 1 || disagreement_exceeds(&glossy_sums, at->gather_deviation) ||
+         disagreement_exceeds(&diffuse_sums, at->gather_deviation)))
         return (struct cache_used){0};
     if (lobe) *glossy = mean_value(&reflected, used.weight);
     if (E) *E = mean_value(&diffuse, used.weight);

@@ -75,8 +75,8 @@ struct gather_mis {
 };
 
 // Light samples: their number, at least one, and the index of the first among those of its pixel.
-struct gather_lights {
-    int samples;
+struct gather_light_samples {
+    int count;
     uint32_t first;
 };
 // The radiance of direct light that the smooth lobes of `mis` reflect at p to wo. Lights are
@@ -84,8 +84,8 @@ struct gather_lights {
 // heuristic. *variance, if not NULL, is set to the variance of the luminance by one sample; 0 if
 // there is only one sample or if every light is sampled.
 rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
-                         struct gather_mis mis, struct gather_lights lights, struct sampler sampler,
-                         float *variance);
+                         struct gather_mis mis, struct gather_light_samples light_samples,
+                         struct sampler sampler, float *variance);
 // The largest number of surfaces of panes that light may pass on its way to a point at a depth;
 // negative if even direct light exceeds max_depth.
 int gather_panes(const struct gather *g, int depth);

@@ -105,13 +105,13 @@ static rgb diffuse_radiance(rgb albedo, rgb E) {
 // their own.
 static rgb sample_direct(const struct path *path, const struct path_vertex *v,
                          struct gather_mis mis, int count) {
-    struct gather_lights lights = {count, path->sampler.index};
+    struct gather_light_samples light_samples = {count, path->sampler.index};
     struct sampler sampler = path->sampler;
     if (count > 1) {
         sampler.seed = (uint32_t)rng_mix((uint64_t)sampler.seed << 32 | sampler.index);
-        lights.first = 0;
+        light_samples.first = 0;
     }
-    return gather_sample_lights(v->g, v->y, mis, lights, sampler, NULL);
+    return gather_sample_lights(v->g, v->y, mis, light_samples, sampler, NULL);
 }
 
 // Direct light reflected by the glossy lobes alone, sampled with the probability with which they
@@ -157,8 +157,8 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     if (v->bounce > 0) limit_splits(&by_diffuse, &by_glossy);
     // Where direct light is known, light is sampled for the glossy lobe as often as it is followed.
     const bool includes = includes_direct(v, estimate);
-    by_diffuse.ratio = by_diffuse.probability / (float)estimate.lights;
-    by_glossy.ratio = includes ? 1.0f : by_glossy.probability / (float)estimate.lights;
+    by_diffuse.ratio = by_diffuse.probability / (float)estimate.light_samples;
+    by_glossy.ratio = includes ? 1.0f : by_glossy.probability / (float)estimate.light_samples;
 
     // Direct light. That of the diffuse lobe may be known separately, or be part of a reliable
     // estimate from all photons.
@@ -171,7 +171,7 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
         const struct gather_mis mis = {
             2 + v->bounce,
             {{shadow ? diffuse : 0u, by_diffuse.ratio}, {glossy, by_glossy.ratio}, {known, 0.0f}}};
-        v->L = rgb_add(v->L, sample_direct(path, v, mis, estimate.lights));
+        v->L = rgb_add(v->L, sample_direct(path, v, mis, estimate.light_samples));
     }
     path->sampler.dimension += 2;
 

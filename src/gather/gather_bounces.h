@@ -11,7 +11,7 @@ struct gather_estimate {
     rgb E;
     bool reliable;
     const rgb *direct;  // irradiance of direct light that is not in E; NULL: it is not known
-    int lights;         // light samples to be taken if it is not known, at least 1
+    int light_samples;  // light samples to be taken if it is not known, at least 1
 };
 // The direct light at the entry that a lookup by photon_irradiance_many has returned.
 static inline const rgb *gather_direct_known(const struct gather *g, int entry) {

@@ -54,10 +54,11 @@ static void light_entries(void *ctx, size_t begin, size_t end, int worker) {
         photon_irradiance_position(g->maps, i, &p, &n);
         const struct shading_point point = white_point(diffuse, p, n);
         const struct gather_mis alone = {2, {{BRDF_DIFFUSE, 0.0f}}};
-        const struct gather_lights lights = {ENTRY_SAMPLES, (uint32_t)i * ENTRY_SAMPLES};
+        const struct gather_light_samples light_samples = {ENTRY_SAMPLES,
+                                                           (uint32_t)i * ENTRY_SAMPLES};
         const struct sampler sampler = {0, seed, 0};
         float variance;
-        const rgb L = gather_sample_lights(g, &point, alone, lights, sampler, &variance);
+        const rgb L = gather_sample_lights(g, &point, alone, light_samples, sampler, &variance);
         job->direct->E[i] = rgb_scale(L, PI_F);
         job->noise2[i] = sqrf(PI_F) * variance / ENTRY_SAMPLES;
     }

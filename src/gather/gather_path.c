@@ -84,8 +84,8 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
 static rgb light_at(const struct gather *g, const struct shading_point *p, int depth,
                     struct sampler sampler) {
     const struct gather_mis both = {depth, {{BRDF_ALL, 1.0f}}};
-    const rgb direct =
-        gather_sample_lights(g, p, both, (struct gather_lights){1, sampler.index}, sampler, NULL);
+    const rgb direct = gather_sample_lights(
+        g, p, both, (struct gather_light_samples){1, sampler.index}, sampler, NULL);
     if (!g->progressive || !(p->lobes & BRDF_REFLECT)) return direct;
     return rgb_add(direct, photon_progressive_radiance(g->progressive, p, depth));
 }

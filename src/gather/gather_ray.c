@@ -131,7 +131,7 @@ static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32
         ray->L = gather_path(g, ray->ray, &again, &ray->first);
     } else if (found && first_pass == SATIN_FIRST_NONE) {
         const struct gather_mis lights_alone = {2, {{BRDF_SMOOTH, 0.0f}}};
-        const struct gather_lights one = {1, hit->sampler.index};
+        const struct gather_light_samples one = {1, hit->sampler.index};
         ray->L = rgb_mul(
             hit->T, gather_sample_lights(g, &hit->point, lights_alone, one, hit->sampler, NULL));
     } else if (found && first_pass == SATIN_FIRST_RECURSIVE) {

@@ -75,21 +75,21 @@ static rgb all_lights(const struct gather *g, const struct shading_point *p, str
 }
 
 rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
-                         struct gather_mis mis, struct gather_lights lights, struct sampler sampler,
-                         float *variance) {
+                         struct gather_mis mis, struct gather_light_samples light_samples,
+                         struct sampler sampler, float *variance) {
     rgb sum = rgb_grey(0.0f);
-    const uint32_t light_count = g->scene->light_count, samples = (uint32_t)lights.samples;
+    const uint32_t light_count = g->scene->light_count, samples = (uint32_t)light_samples.count;
     if (variance) *variance = 0.0f;
     unsigned lobes = mis.component[0].lobes | mis.component[1].lobes | mis.component[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || light_count == 0) return sum;
     const struct light_visibility visibility = guide_visibility_at(g->visibility, p->interaction.p);
-    sampler.index = lights.first;
+    sampler.index = light_samples.first;
     if (samples < light_count && light_count <= FEW)
         return all_lights(g, p, mis, visibility, sampler);
     float squares = 0.0f;
     for (uint32_t i = 0; i < samples; i++) {
-        struct sampler s = {lights.first + i, sampler.seed, sampler.dimension};
+        struct sampler s = {light_samples.first + i, sampler.seed, sampler.dimension};
         struct choice choice = {.visibility = visibility};
         vec2 u = sampler_2d(&s);
         float u_choose = light_count > 1 ? sampler_1d(&s) : 0.0f;

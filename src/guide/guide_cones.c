@@ -118,12 +118,12 @@ int guide_cones_from(const struct guide_clusters *clusters, const struct satin_s
         if (!candidate[i].narrow || !(candidate[i].most > 0.0f)) continue;
         struct guide_cone cone = cone_of(node, at);
         if (!(cone.E > 0.0f)) continue;
-        int clear = 0;
+        int unoccluded = 0;
         struct ray ray;
         for (size_t k = 0; k < GUIDE_PROBES; k++)
-            clear +=
+            unoccluded +=
                 ray_to_photon(clusters, scene, node, at, k, &ray) && !scene_occluded(scene, &ray);
-        cone.E *= (float)clear / GUIDE_PROBES;
+        cone.E *= (float)unoccluded / GUIDE_PROBES;
         if (cone.E > 0.0f) out[count++] = cone;
     }
     return count;

@@ -17,10 +17,11 @@
 // The least cosine that the bounds assume.
 #define COSINE_MIN 0.02f
 
-// Directions of emission: within `spread` of the normals, which are within `open` of the axis.
+// Directions of emission: within `emission_angle` of the normals, which are within `normal_angle`
+// of the axis.
 struct emission_cone {
     vec3 axis;
-    float open, spread;
+    float normal_angle, emission_angle;
 };
 
 struct light_node {
@@ -47,18 +48,22 @@ static struct emission_cone cone_all(void) {
 
 // A cone around both: the axis is rotated towards that of the narrower one.
 static struct emission_cone cone_union(struct emission_cone a, struct emission_cone b) {
-    if (b.open > a.open) {
+    if (b.normal_angle > a.normal_angle) {
         struct emission_cone swap = a;
         a = b;
         b = swap;
     }
-    float spread = fmaxf(a.spread, b.spread), between = v3_angle(a.axis, b.axis);
-    if (between + b.open <= a.open) return (struct emission_cone){a.axis, a.open, spread};
-    float open = 0.5f * (a.open + between + b.open), angle = open - a.open;
+    float emission_angle = fmaxf(a.emission_angle, b.emission_angle),
+          between = v3_angle(a.axis, b.axis);
+    if (between + b.normal_angle <= a.normal_angle)
+        return (struct emission_cone){a.axis, a.normal_angle, emission_angle};
+    float normal_angle = 0.5f * (a.normal_angle + between + b.normal_angle),
+          angle = normal_angle - a.normal_angle;
     vec3 side = v3_unit(v3_mad(b.axis, -v3_dot(a.axis, b.axis), a.axis));
-    if (open >= PI_F || v3_len2(side) < 0.5f) return (struct emission_cone){a.axis, PI_F, spread};
+    if (normal_angle >= PI_F || v3_len2(side) < 0.5f)
+        return (struct emission_cone){a.axis, PI_F, emission_angle};
     vec3 axis = v3_unit(v3_mad(v3_mul(a.axis, cosf(angle)), sinf(angle), side));
-    return (struct emission_cone){axis, open, spread};
+    return (struct emission_cone){axis, normal_angle, emission_angle};
 }
 
 static void area_bounds(const struct satin_scene *scene, const struct light *light,
@@ -185,12 +190,13 @@ static float node_estimate(const struct light_node *node, vec3 p) {
     vec3 centre = v3_mul(v3_add(node->lo, node->hi), 0.5f), d = v3_sub(p, centre);
     float r2 = 0.25f * v3_dist2(node->lo, node->hi), d2 = v3_len2(d);
     if (d2 <= r2) return node->strength / fmaxf(r2, 1e-20f);
-    float off = node->cone.open + asinf(sqrtf(r2 / d2));
+    float off = node->cone.normal_angle + asinf(sqrtf(r2 / d2));
     float most = PI_F - off, cosine = 1.0f;
     if (most > 0.0f) {
         float beyond = v3_angle(node->cone.axis, v3_mul(d, 1.0f / sqrtf(d2))) - off;
         if (beyond > 0.0f)
-            cosine = beyond < node->cone.spread ? fmaxf(cosf(beyond), COSINE_MIN) : COSINE_MIN;
+            cosine =
+                beyond < node->cone.emission_angle ? fmaxf(cosf(beyond), COSINE_MIN) : COSINE_MIN;
     }
     return node->strength * cosine / d2;
 }

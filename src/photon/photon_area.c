@@ -66,14 +66,14 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
                       struct photon_area *out) {
     out->frame = frame_from_normal(n);
     out->rotation = (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
-    out->open = true;
+    out->whole_disc = true;
     struct probe probe = probe_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
         float phi = out->rotation + (float)i * SECTOR;
         vec3 w = frame_to_world(&out->frame, v3(cosf(phi), sinf(phi), 0.0f));
         float e = extent(&probe, w);
         out->inverse[i] = 1.0f / fmaxf(e, EXTENT_MIN);
-        if (e < 1.0f) out->open = false;
+        if (e < 1.0f) out->whole_disc = false;
     }
 }
 
@@ -107,7 +107,7 @@ bool photon_area_has(const struct photon_area *area, vec3 d, float r) {
 }
 
 float photon_area_fraction(const struct photon_area *area, enum photon_kernel kernel) {
-    if (area->open) return 1.0f;
+    if (area->whole_disc) return 1.0f;
     float sum = 0.0f;
     for (int i = 0; i < AREA_SECTORS * AREA_STEPS; i++) {
         float e = fminf(1.0f / inverse_extent(area, ((float)i + 0.5f) / AREA_STEPS), 1.0f),

@@ -42,13 +42,13 @@ float photon_radius2(const struct photon_map *map, const int *row, const float *
 // Whether a photon of the disc has found an edge near it, or none of them was tested.
 static bool edge_near(const struct photon_disc *disc) {
     const struct photon_map *map = disc->map;
-    if (!map->open) return true;
+    if (!map->whole_disc) return true;
     int known = 0;
     for (int i = 0; i < disc->count; i++) {
         if (!is_counted(disc, i) || (size_t)disc->row[i] % map->stride != 0 ||
             !is_on_surface(disc, i))
             continue;
-        if (!map->open[(size_t)disc->row[i] / map->stride]) return true;
+        if (!map->whole_disc[(size_t)disc->row[i] / map->stride]) return true;
         known++;
     }
     return known == 0;
@@ -108,7 +108,7 @@ void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene
     disc->corrected = false;
     if (scene) {
         photon_area_make(scene, disc->p, disc->n, disc->r, point_key(disc->p), &disc->area);
-        disc->corrected = !disc->area.open;
+        disc->corrected = !disc->area.whole_disc;
         // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.
         if (disc->corrected)
             fraction = fmaxf(photon_area_fraction(&disc->area, disc->kernel), 0.02f);
@@ -261,7 +261,7 @@ static enum map_read precomputed(const struct photon_maps *maps, const struct sa
     *E = rgb_grey(0.0f);
     const int entry = photon_irradiance_entry(r, p, ng);
     if (entry < 0) return READ_ENTRY;
-    if (!maps->caustic.open[entry] && !photon_irradiance_sees(r, scene, entry, p, ng))
+    if (!maps->caustic.whole_disc[entry] && !photon_irradiance_sees(r, scene, entry, p, ng))
         return READ_POINT;
     const bool sparse = photon_irradiance_sparse(r, entry);
     *E = sparse ? r->E[entry] : photon_irradiance_value(r, entry, p);

@@ -90,7 +90,7 @@ static void precompute_one(struct precompute_job *job, size_t entry,
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, &disc);
     }
-    what->map->open[entry] = !disc.corrected;
+    what->map->whole_disc[entry] = !disc.corrected;
     const rgb E = photon_disc_irradiance(&disc);
     // If the map has fewer than k photons, the radius is infinite and the estimate not reliable.
     const bool valid = rgb_finite(E) && disc.r >= 0.0f;
@@ -204,15 +204,15 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     }
     satin_status status = SATIN_ERROR_MEMORY;
     map->stride = what->stride;
-    map->open = array_new(r.count, 1);
+    map->whole_disc = array_new(r.count, 1);
     r.position.row = array_new_unset(6 * r.count, sizeof *r.position.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
     if (map->limited) r.last = array_new(r.count, sizeof *r.last);
     if (!r.ends) r.ring = array_new(r.count, sizeof *r.ring);
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
-    if (map->open && r.position.row && r.E && r.radius && (r.ring || r.ends) && r.position.clear &&
-        (r.last || !map->limited)) {
+    if (map->whole_disc && r.position.row && r.E && r.radius && (r.ring || r.ends) &&
+        r.position.clear && (r.last || !map->limited)) {
         struct precompute_job job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         atomic_init(&job.refused, 0);

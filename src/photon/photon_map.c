@@ -79,7 +79,7 @@ void photon_map_free(struct photon_map *map) {
     photon_index_free(map->index);
     free(map->position);
     free(map->photon);
-    free(map->open);
+    free(map->whole_disc);
     free(map->radius2);
     *map = (struct photon_map){0};
 }
@@ -87,7 +87,8 @@ void photon_map_free(struct photon_map *map) {
 size_t photon_map_bytes(const struct photon_map *map) {
     size_t bytes = map->count * (3 * sizeof *map->position + sizeof *map->photon);
     if (map->radius2) bytes += map->count * sizeof *map->radius2;
-    return bytes + (map->open ? map->count / map->stride : 0) + photon_index_bytes(map->index);
+    return bytes + (map->whole_disc ? map->count / map->stride : 0) +
+           photon_index_bytes(map->index);
 }
 
 // ---- Packed directions ------------------------------------------------------------------------

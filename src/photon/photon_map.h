@@ -90,7 +90,7 @@ struct photon_map {
     float *position;        // 3 per photon, sorted along a Morton curve
     struct photon *photon;  // `count`, in the same order
     struct photon_index *index;
-    uint8_t *open;  // of every stride-th photon: whether no edge or wall cuts its disc
+    uint8_t *whole_disc;  // of every stride-th photon: whether no edge or wall cuts its disc
     size_t stride;
     float *radius2;             // of each photon's own disc, squared; NULL: not known
     bool limited;               // whether the number of bounces of photons is limited
@@ -130,7 +130,7 @@ struct photon_area {
     float rotation;               // of the first sector, in radians
     float inverse[AREA_SECTORS];  // 1 / extent in units of r; up to 1 the surface extends to the
                                   // boundary of the disc
-    bool open;                    // whether the surface covers the whole disc
+    bool whole_disc;              // whether the surface covers the whole disc
 };
 
 // `key` rotates the sectors, so that no direction is preferred.
@@ -266,7 +266,7 @@ struct photon_precompute {
                   // photons, and each photon has a radius of its own
 };
 
-// Computes irradiance at every stride-th photon of the map, and sets the map's `open` flags.
+// Computes irradiance at every stride-th photon of the map, and sets the map's `whole_disc` flags.
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
                                      struct log log, struct photon_irradiance *out);

@@ -86,8 +86,9 @@ static void find_open(void *ctx, size_t begin, size_t end, int worker) {
     const struct photon_map *map = job->map;
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        map->open[i] = photon_area_clear(job->scene, photon_position(map, i),
-                                         photon_unpack(map->photon[i].n), sqrtf(map->radius2[i]));
+        map->whole_disc[i] =
+            photon_area_clear(job->scene, photon_position(map, i), photon_unpack(map->photon[i].n),
+                              sqrtf(map->radius2[i]));
 }
 
 // Finds the radii of a map's photons, and which of their discs no edge or wall cuts.
@@ -95,8 +96,8 @@ static satin_status find_discs(const struct satin_scene *scene, struct photon_ma
                                struct parallel *pool) {
     if (!map->count) return SATIN_OK;
     map->stride = 1;
-    map->open = array_new_unset(map->count, sizeof *map->open);
-    if (!map->open) return SATIN_ERROR_MEMORY;
+    map->whole_disc = array_new_unset(map->count, sizeof *map->whole_disc);
+    if (!map->whole_disc) return SATIN_ERROR_MEMORY;
     satin_status status = photon_map_find_radii(map, k, pool);
     if (status != SATIN_OK) return status;
     struct open_job job = {scene, map};
@@ -172,7 +173,7 @@ static rgb map_radiance(const struct photon_progressive *progressive, int kind,
     const float q[3] = {p.x, p.y, p.z};
     photon_index_nearest(first->index, q, 1, 1, INFINITY, row, distance2);
     if (row[0] < 0) return rgb_grey(0.0f);
-    const bool open = first->open[row[0]];
+    const bool whole = first->whole_disc[row[0]];
     const float r2 = progressive->shrink2 * fmaxf(first->radius2[row[0]], distance2[0]);
     struct photon_disc disc = {.map = map,
                                .p = p,
@@ -185,7 +186,7 @@ static rgb map_radiance(const struct photon_progressive *progressive, int kind,
     if (disc.count == PHOTON_K_MAX) disc.r2 = photon_radius2(map, row, distance2, disc.count);
     if (disc.count == 0) return rgb_grey(0.0f);
     disc.r = sqrtf(disc.r2);
-    photon_disc_scale(&disc, open ? NULL : progressive->scene);
+    photon_disc_scale(&disc, whole ? NULL : progressive->scene);
     return photon_disc_radiance(&disc, at);
 }
 

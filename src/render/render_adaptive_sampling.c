@@ -30,7 +30,7 @@ enum {
     ADAPTIVE_COLUMNS = 16  // a line of the processor's cache, in floats
 };
 
-bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int lights) {
+bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int light_samples) {
     size_t n = (size_t)width * (size_t)height;
     *adapt = (struct adaptive_sampling){.width = width, .height = height};
     adapt->pixel = array_new(n, sizeof *adapt->pixel);
@@ -38,7 +38,8 @@ bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int l
     adapt->sum = array_new(n / ADAPTIVE_CHUNK + 1, sizeof *adapt->sum);
     if (adapt->pixel && adapt->scratch && adapt->sum) {
         for (size_t i = 0; i < n; i++)
-            adapt->pixel[i] = (struct adaptive_pixel){.spread = -1.0f, .lights = (uint32_t)lights};
+            adapt->pixel[i] = (struct adaptive_pixel){.variance = -1.0f,
+                                                      .light_samples = (uint32_t)light_samples};
         return true;
     }
     adaptive_destroy(adapt);
@@ -122,7 +123,7 @@ static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
             const double error2 = relative2(d.r, mean.r, least2) + relative2(d.g, mean.g, least2) +
                                   relative2(d.b, mean.b, least2);
             // Sums that are not finite are ignored.
-            p->spread = isfinite(error2) ? (float)error2 * a * b / (n * n) * powf(n, GAIN) : 0.0f;
+            p->variance = isfinite(error2) ? (float)error2 * a * b / (n * n) * powf(n, GAIN) : 0.0f;
         }
         p->sum_before = p->sum;
         p->before = p->count;
@@ -192,7 +193,7 @@ static void blur_image(const struct adaptive_sampling *adapt, float *a, float *b
 static void copy_spread(void *ctx, size_t begin, size_t end, int worker) {
     const struct adapting *job = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++) job->to[i] = job->adapt->pixel[i].spread;
+    for (size_t i = begin; i < end; i++) job->to[i] = job->adapt->pixel[i].variance;
 }
 
 static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
@@ -254,7 +255,7 @@ double adaptive_variance(struct adaptive_sampling *adapt) {
     return pow(sum / (double)pixels(adapt), 1.0 + (double)GAIN);
 }
 
-void adaptive_spread(struct adaptive_sampling *adapt, uint64_t samples) {
+void adaptive_distribute(struct adaptive_sampling *adapt, uint64_t samples) {
     const float *want = find_wanted(adapt);
     const float factor = find_factor(adapt, want, (double)samples);
     // If the noise is in a few pixels, the rest of the samples is distributed uniformly.
@@ -283,7 +284,7 @@ static void find_variances(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const struct adaptive_pixel *p = &job->adapt->pixel[i];
-        const float count = (float)p->count, m = (float)p->lights_taken / fmaxf(count, 1.0f);
+        const float count = (float)p->count, m = (float)p->light_samples_taken / fmaxf(count, 1.0f);
         const float mean = rgb_luminance(p->sum) / fmaxf(count, 1.0f);
         const float all = (p->squares - count * sqrf(mean)) / fmaxf(count - 1.0f, 1.0f);
         light[i] = p->light_variance / fmaxf(count, 1.0f);
@@ -302,8 +303,9 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
         struct adaptive_pixel *p = &job->adapt->pixel[i];
         if (!(light[i] > 0.0f)) continue;  // nothing is known, or lights cause no noise
         const float m = powf(light[i] * job->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
-        p->lights = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
-        if (p->lights < 2) p->lights = 2;  // otherwise the next estimate would have no data
+        p->light_samples = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
+        if (p->light_samples < 2)
+            p->light_samples = 2;  // otherwise the next estimate would have no data
     }
 }
 
@@ -321,10 +323,10 @@ void adaptive_lights(struct adaptive_sampling *adapt, float cost) {
 }
 
 double adaptive_light_samples(const struct adaptive_sampling *adapt) {
-    double lights = 0.0, samples = 0.0;
+    double light_samples = 0.0, samples = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) {
-        lights += adapt->pixel[i].lights_taken;
+        light_samples += adapt->pixel[i].light_samples_taken;
         samples += adapt->pixel[i].count;
     }
-    return samples > 0.0 ? lights / samples : 0.0;
+    return samples > 0.0 ? light_samples / samples : 0.0;
 }

@@ -10,14 +10,14 @@
 
 // Statistics of one pixel's samples.
 struct adaptive_pixel {
-    rgb sum, sum_before;     // of all samples, and of those before the last comparison
-    uint32_t count, before;  // their numbers
-    float spread;            // variance of the mean times count^GAIN, relative; < 0: unknown
-    uint32_t target;         // number of samples after the next pass
-    float squares;           // sum of the squares of the samples' luminances
-    float light_variance;    // sum of their variances by one light sample
-    uint32_t lights;         // light samples of the next sample
-    uint32_t lights_taken;   // light samples of all samples
+    rgb sum, sum_before;           // of all samples, and of those before the last comparison
+    uint32_t count, before;        // their numbers
+    float variance;                // variance of the mean times count^GAIN, relative; < 0: unknown
+    uint32_t target;               // number of samples after the next pass
+    float squares;                 // sum of the squares of the samples' luminances
+    float light_variance;          // sum of their variances by one light sample
+    uint32_t light_samples;        // light samples of the next sample
+    uint32_t light_samples_taken;  // light samples of all samples
 };
 
 struct adaptive_sampling {
@@ -29,14 +29,14 @@ struct adaptive_sampling {
 };
 
 // False if there is no memory. `lights` is the number of light samples of the first samples.
-bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int lights);
+bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int light_samples);
 void adaptive_destroy(struct adaptive_sampling *adapt);  // a zeroed one is allowed
 
 static inline void adaptive_add(struct adaptive_pixel *pixel, rgb value, float light_variance) {
     pixel->sum = rgb_add(pixel->sum, value);
     pixel->squares += sqrf(rgb_luminance(value));
     pixel->light_variance += light_variance;
-    pixel->lights_taken += pixel->lights;
+    pixel->light_samples_taken += pixel->light_samples;
     pixel->count++;
 }
 
@@ -48,10 +48,10 @@ void adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count)
 // Sets the targets of the next pass to `samples` more, where they lower the relative squared error
 // of the image most. Samples beyond what noisy pixels may get in one pass are distributed
 // uniformly.
-void adaptive_spread(struct adaptive_sampling *adapt, uint64_t samples);
+void adaptive_distribute(struct adaptive_sampling *adapt, uint64_t samples);
 
 // The relative squared error of the image, summed over channels, of one sample per pixel
-// distributed by adaptive_spread. Of n samples it is this over n^1.5.
+// distributed by adaptive_distribute. Of n samples it is this over n^1.5.
 double adaptive_variance(struct adaptive_sampling *adapt);
 // To be called after a pass: sets the number of light samples of each pixel's next samples. `cost`
 // is the cost of a sample without light samples, over that of one light sample.

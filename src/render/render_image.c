@@ -104,9 +104,10 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                 shade_pixel_begin(&pass->worker[worker]);
                 while (adapt->count < adapt->target) {
                     struct shade_sample sample;
-                    const struct gather_lights lights = {(int)adapt->lights, adapt->lights_taken};
+                    const struct gather_light_samples light_samples = {(int)adapt->light_samples,
+                                                                       adapt->light_samples_taken};
                     shade_pixel(&pass->r->second_pass.shade, &pass->worker[worker], x, y,
-                                adapt->count, lights, &sample);
+                                adapt->count, light_samples, &sample);
                     if (parallel_stopped(pass->r->pool)) return;  // it may be incomplete
                     bool finite = add_sample(&image->pixel[at], &sample);
                     if (finite && image->aov) add_aovs(image, at, &sample);
@@ -133,7 +134,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     if (image->taken < render_budget_equal_samples(&r->second_pass.options) * pixels)
         adaptive_equal(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
     else
-        adaptive_spread(&image->adapt, *samples);
+        adaptive_distribute(&image->adapt, *samples);
     return true;
 }
 

@@ -28,10 +28,10 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
         shade_pixel_begin(&pilot->worker[worker]);
         while (pixel->count < pixel->target) {
             struct shade_sample s;
-            shade_pixel(
-                &pilot->r->second_pass.shade, &pilot->worker[worker], x, y, pixel->count,
-                (struct gather_lights){o->light_samples, (uint32_t)o->light_samples * pixel->count},
-                &s);
+            shade_pixel(&pilot->r->second_pass.shade, &pilot->worker[worker], x, y, pixel->count,
+                        (struct gather_light_samples){o->light_samples,
+                                                      (uint32_t)o->light_samples * pixel->count},
+                        &s);
             const bool finite = shade_sample_finite(&s);
             rgb light = finite ? rgb_sub(s.beauty, s.layer[SHADE_EMISSION]) : rgb_grey(0.0f);
             rgb indirect = rgb_add(s.layer[SHADE_INDIRECT_DIFFUSE], s.layer[SHADE_INDIRECT_GLOSSY]);

@@ -107,7 +107,8 @@ static inline void shade_pixel_begin(struct shade_worker *worker) {
 // Computes sample number `index` of pixel (x, y) of the crop window, with `lights` light samples at
 // each of its points; `path` uses one at each.
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
-                 uint32_t index, struct gather_lights lights, struct shade_sample *out);
+                 uint32_t index, struct gather_light_samples light_samples,
+                 struct shade_sample *out);
 
 // The emitted light alone that is seen by eye ray number `index` of pixel (x, y), from a separate
 // sequence of rays. *weight as of a sample.

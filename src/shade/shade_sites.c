@@ -30,15 +30,16 @@ static void add_glossy(const struct shade *shade, const struct shading_point *p,
 static void add_light(const struct shade *shade, const struct shading_point *bumpy,
                       struct sampler sampler, struct fill_site *site) {
     static const struct gather_mis lights_alone = {1, {{BRDF_SMOOTH, 0.0f}}};
-    const struct gather_lights lights = {LIGHT_SAMPLES, LIGHT_SAMPLES * sampler.index};
+    const struct gather_light_samples light_samples = {LIGHT_SAMPLES,
+                                                       LIGHT_SAMPLES * sampler.index};
     struct shading_point p = *bumpy;
     p.wo_l = base_wo(bumpy);
     p.frame = p.base;
     site->shading_p = p.interaction.p;
     site->diffuse = rgb_scale(brdf_albedo(&p.brdf, p.wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
     site->specular = p.brdf.specular;
-    site->direct =
-        rgb_luminance(gather_sample_lights(shade->g, &p, lights_alone, lights, sampler, NULL));
+    site->direct = rgb_luminance(
+        gather_sample_lights(shade->g, &p, lights_alone, light_samples, sampler, NULL));
 }
 
 int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct fill_site *out,

@@ -254,16 +254,17 @@ void shade_vertex_two_pass(struct shade_job *job) {
     // light samples by multiple importance sampling.
     const unsigned sampled = indirect ? plan.sampled : 0, rest = p->lobes & BRDF_SMOOTH & ~sampled;
     const unsigned extra = g->wide_lights ? rest : rest & ~(unsigned)BRDF_DIFFUSE;
-    const float lights = (float)job->lights.samples, ratio = (float)o->glossy_samples / lights;
+    const float light_count = (float)job->light_samples.count,
+                ratio = (float)o->glossy_samples / light_count;
     const struct gather_mis mis = {
-        1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
+        1, {{rest & ~extra, 0.0f}, {extra, 1.0f / light_count}, {sampled, ratio}}};
     float variance;
     const float before = added_luminance(job);
     add_uncached(job, SHADE_DIRECT,
-                 gather_sample_lights(g, p, mis, job->lights, job->sampler, &variance));
+                 gather_sample_lights(g, p, mis, job->light_samples, job->sampler, &variance));
     job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
     job->sampler.dimension += 2;
-    if (extra) sample_lights_by_brdf(job, extra, 1.0f / lights);
+    if (extra) sample_lights_by_brdf(job, extra, 1.0f / light_count);
     job->sampler.dimension += 2;
     if (!indirect) return;
     if (o->record_maps && job->shade->interpolates &&

@@ -255,7 +255,7 @@ static void direct_light_counts_once(void **state) {
         const struct photon_maps maps = {.area = true};
         const struct gather g = gather_make(&t.scene, &options, &maps);
         const struct gather_mis alone = {2, {{BRDF_GLOSSY, 0.0f}}};
-        const struct gather_lights many = {1 << 20, 0};
+        const struct gather_light_samples many = {1 << 20, 0};
         const float glossy =
             gather_sample_lights(&g, &y, alone, many, (struct sampler){0, 3, 0}, NULL).g;
         const float diffuse = brdf_albedo(&y.brdf, y.wo_l, BRDF_DIFFUSE).g;
@@ -292,7 +292,7 @@ static void more_light_samples_are_less_noisy(void **state) {
     const struct gather g = gather_make(&t.scene, &options, &maps);
     struct gather_estimate estimate = {rgb_grey(0.0f), true, NULL, 1};
     const struct moments one = average_paths(&g, &y, estimate, PATHS);
-    estimate.lights = 16;
+    estimate.light_samples = 16;
     const struct moments many = average_paths(&g, &y, estimate, PATHS);
     print_message("%.4f, %.4f; variances %.2g, %.2g\n", one.mean, many.mean, one.variance,
                   many.variance);

@@ -43,7 +43,7 @@ static double sample_lights_mean(const struct test_scene *t, int samples, int ru
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < runs; i++) {
         struct sampler sampler = {(uint32_t)i, 7, 0};
-        const struct gather_lights lights = {samples, (uint32_t)(i * samples)};
+        const struct gather_light_samples lights = {samples, (uint32_t)(i * samples)};
         float variance;
         double L = (double)gather_sample_lights(&g, &p, alone, lights, sampler, &variance).g;
         assert_true(variance >= 0.0f && (samples > 1 || variance == 0.0f));

@@ -40,7 +40,7 @@ static uint64_t render_adaptive_sampling_render(struct adaptive_sampling *adapt,
     uint64_t taken = (uint64_t)EQUAL * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
     while (taken < all) {
         uint64_t want = taken < all - taken ? taken : all - taken;
-        adaptive_spread(adapt, want);
+        adaptive_distribute(adapt, want);
         taken += want;
         render_adaptive_sampling_take(adapt, seed);
     }
@@ -126,7 +126,7 @@ static void the_number_of_samples_is_kept(void **state) {
         for (uint64_t want = 1; want < 10 * SIZE * SIZE; want = 3 * want + 1) {
             struct adaptive_sampling adapt;
             make_quiet(&adapt, difference[d]);
-            adaptive_spread(&adapt, want);
+            adaptive_distribute(&adapt, want);
             assert_int_equal(count_targets(&adapt), 2 * SIZE * SIZE + want);
             adaptive_destroy(&adapt);
         }
@@ -139,9 +139,9 @@ static void faint_noise_does_not_hide_strong_noise(void **state) {
     struct adaptive_sampling adapt;
     make_quiet(&adapt, 0.0f);
     for (int i = 0; i < SIZE * SIZE; i++)
-        adapt.pixel[i].spread = i % SIZE < SIZE / 2 ? 1e-30f : 1e-2f * (float)(1 + i / SIZE);
+        adapt.pixel[i].variance = i % SIZE < SIZE / 2 ? 1e-30f : 1e-2f * (float)(1 + i / SIZE);
     const uint64_t want = SIZE * SIZE;
-    adaptive_spread(&adapt, want);
+    adaptive_distribute(&adapt, want);
     assert_int_equal(count_targets(&adapt), 3 * SIZE * SIZE);
     uint64_t quiet = 0;
     for (int i = 0; i < SIZE * SIZE; i++)
@@ -174,10 +174,10 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
     // m^2.5 = 8 * (.5 / .1)^2: 8.3, rounded down. The blur mixes quarters at their borders.
     for (int y = 0; y < SIZE; y++) {
         const struct adaptive_pixel *row = adapt.pixel + y * SIZE;
-        for (int x = 2; x < SIZE / 4 - 2; x++) assert_true(row[x].lights >= 10);
+        for (int x = 2; x < SIZE / 4 - 2; x++) assert_true(row[x].light_samples >= 10);
         for (int x = SIZE / 4 + 2; x < 3 * SIZE / 4 - 2; x++)
-            assert_true(row[x].lights >= 6 && row[x].lights <= 11);
-        for (int x = 3 * SIZE / 4 + 2; x < SIZE; x++) assert_true(row[x].lights == LIGHTS);
+            assert_true(row[x].light_samples >= 6 && row[x].light_samples <= 11);
+        for (int x = 3 * SIZE / 4 + 2; x < SIZE; x++) assert_true(row[x].light_samples == LIGHTS);
     }
     adaptive_destroy(&adapt);
 }

@@ -90,7 +90,7 @@ static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_tw
     shade_pixel_begin(&worker);
     for (uint32_t i = 0; i < SAMPLES; i++) {
         struct shade_sample s;
-        shade_pixel(&shade, &worker, 0, 1, i, (struct gather_lights){1, i}, &s);
+        shade_pixel(&shade, &worker, 0, 1, i, (struct gather_light_samples){1, i}, &s);
         assert_true(shade_sample_finite(&s));
         for (int k = 0; k < SHADE_EMISSION; k++) {
             const double L = (double)rgb_luminance(s.layer[k]);
