@@ -24,7 +24,7 @@ static size_t column_of(struct study_reader *r, const char *name, bool is_option
     if (!grown) return SIZE_MAX;
     if (s->columns) memcpy(grown, s->column, s->columns * sizeof *grown);
     s->column = grown;
-    s->column[s->columns] = (struct study_column){name, is_option};
+    s->column[s->columns] = (struct study_column){.name = name, .is_option = is_option};
     return s->columns++;
 }
 
@@ -100,7 +100,13 @@ static bool take_axis(struct study_reader *r, const struct toml_node *node, stru
         if (!take_value(r, node, value, &axis->value[i])) return false;
     }
     axis->column = column_of(r, node->key, !together);
-    return axis->column != SIZE_MAX;
+    if (axis->column == SIZE_MAX) return false;
+    struct study_column *column = &r->out->column[axis->column];
+    if (column->is_option == together)
+        return study_wrong(r, node, "elsewhere it has %s", together ? "values" : "tables");
+    column->value = axis->value;
+    column->values = axis->count;
+    return true;
 }
 
 // ---- Points -------------------------------------------------------------------------------------

@@ -36,6 +36,15 @@ struct study_axis {
     size_t count;
 };
 
+// What is varied: an option, or a name that the file gives to several options, with the values of
+// the axis that has it.
+struct study_column {
+    const char *name;
+    bool is_option;
+    const struct study_value *value;
+    size_t values;
+};
+
 // A combination of options. cell[i] is what the tables say of column i, or NULL until the study is
 // planned.
 struct study_point {
@@ -43,12 +52,6 @@ struct study_point {
     const char **cell;
     struct study_settings set;
     struct log_place at;
-};
-
-// What is varied: an option, or a name that the file gives to several options.
-struct study_column {
-    const char *name;
-    bool is_option;
 };
 
 struct study {

@@ -160,21 +160,42 @@
     return lines;
   }
 
+  // The next of the numbers that axes end with, below or above x > 0.
+  function niceEnd(x, up) {
+    const power = Math.pow(10, Math.floor(Math.log10(x))), lead = x / power, list = [1, 1.5, 2, 3, 5, 7, 10];
+    const below = list.filter((k) => k <= lead * 1.0001), above = list.filter((k) => k >= lead * 0.9999);
+    return power * (up ? above[0] : below[below.length - 1]);
+  }
+
+  // The numbers at which a logarithmic axis has ticks.
+  function logTicks(least, most) {
+    const ratio = most / least, ticks = [];
+    const leads = ratio > 300 ? [1] : ratio > 12 ? [1, 2, 5] : ratio > 4 ? [1, 2, 3, 5, 7] : [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9];
+    for (let e = Math.floor(Math.log10(least)); e <= Math.log10(most); e++)
+      for (const k of leads) {
+        const value = Number((k * Math.pow(10, e)).toPrecision(6));
+        if (value >= least * 0.9999 && value <= most * 1.0001) ticks.push({ value });
+      }
+    return ticks;
+  }
+
   function scaleOf(title, values) {
     const numbers = values.filter((v) => known(v) && v > 0);
-    const log = numbers.length > 0;
-    return {
-      type: log ? "logarithmic" : "linear",
+    const scale = {
+      type: numbers.length ? "logarithmic" : "linear",
       title: { display: true, text: title, color: css("--soft") },
       grid: { color: css("--grid") }, border: { color: css("--line") },
-      ticks: { color: css("--soft"), maxRotation: 0, autoSkipPadding: 10,
-        callback(value) {
-          const lead = value / Math.pow(10, Math.floor(Math.log10(value) + 1e-9));
-          const few = Math.max(...numbers) / Math.min(...numbers) < 100;
-          return Math.abs(lead - 1) < 1e-6 || (few && [2, 5].some((k) => Math.abs(lead - k) < 1e-6)) ? brief(value) : null;
-        } },
+      ticks: { color: css("--soft"), maxRotation: 0, autoSkipPadding: 10, callback: (value) => brief(value) },
     };
+    if (!numbers.length) return scale;
+    scale.min = niceEnd(Math.min(...numbers) / 1.05, false);
+    scale.max = niceEnd(Math.max(...numbers) * 1.05, true);
+    scale.afterBuildTicks = (axis) => { axis.ticks = logTicks(scale.min, scale.max); };
+    return scale;
   }
+
+  // All values that the lines of a chart have, with their bars.
+  const extent = (sets) => sets.flatMap((set) => set.data.flatMap((d) => [d.y, d.low, d.high]));
 
   function axisScale(axis) {
     const values = axisValues(axis), numbers = values.map(Number);
@@ -182,10 +203,8 @@
     if (isNumeric(values) && Math.min(...numbers) > 0) {
       scale.min = Math.min(...numbers) / 1.15;
       scale.max = Math.max(...numbers) * 1.15;
-      if (values.length <= 8) {
-        scale.afterBuildTicks = (s) => { s.ticks = numbers.map((value) => ({ value })); };
-        scale.ticks.callback = (value) => brief(value, 4);
-      }
+      scale.afterBuildTicks = (s) => { s.ticks = values.length <= 8 ? numbers.map((value) => ({ value })) : logTicks(scale.min, scale.max); };
+      scale.ticks.callback = (value) => brief(value, 4);
     } else if (isNumeric(values)) {
       scale.ticks.callback = (value) => brief(value, 4);
     } else {
@@ -270,7 +289,9 @@
       set.pointStyle = set.data.map((d) => (d.limit ? "triangle" : "circle"));
       set.pointRotation = set.data.map((d) => (d.limit ? 180 : 0));
     }
-    return [...sets.values()];
+    // Points that nothing joins belong to other charts, unless all are such.
+    const all = [...sets.values()], joined = all.filter((set) => new Set(set.data.map((d) => d.x)).size > 1);
+    return x >= 0 && joined.length ? joined : all;
   }
 
   // The axis along which points of the chart of time are joined: the one with the most numbers.
@@ -292,9 +313,10 @@
     const holder = byId("chart-time");
     holder.replaceChildren();
     const sets = lines(rows, -1, relmse);
+    const seconds = sets.flatMap((set) => set.data.map((d) => d.x));
     draw(holder, "Error against seconds, both logarithmic", {
       type: "line", data: { datasets: sets }, plugins: [spreadBars],
-      options: { scales: { x: scaleOf("seconds", rows.map((r) => r.seconds)), y: scaleOf("relMSE", rows.map((r) => r.relmse)) } },
+      options: { scales: { x: scaleOf("seconds", seconds), y: scaleOf("relMSE", extent(sets)) } },
     }, keys(colourAxis(-1)));
   }
 
@@ -306,9 +328,10 @@
       const box = element("div", null, { class: "chart" });
       box.append(element("h3", name));
       holder.append(box);
+      const sets = lines(rows, axis, relmse);
       draw(box, "Error against " + name, {
-        type: "line", data: { datasets: lines(rows, axis, relmse) }, plugins: [spreadBars],
-        options: { scales: { x: axisScale(axis), y: scaleOf("relMSE", rows.map((r) => r.relmse)) } },
+        type: "line", data: { datasets: sets }, plugins: [spreadBars],
+        options: { scales: { x: axisScale(axis), y: scaleOf("relMSE", extent(sets)) } },
       }, keys(colourAxis(axis)));
     });
   }
@@ -330,9 +353,10 @@
     }
     const variance = lines(rows, x, (r) => (known(r.image.variance) ? [r.image.variance] : null));
     const squares = lines(rows, x, bias, { borderDash: [5, 4], hollow: true });
+    const sets = variance.concat(squares);
     draw(holder, "Bias and variance against " + results.axes[x], {
-      type: "line", data: { datasets: variance.concat(squares) }, plugins: [spreadBars],
-      options: { scales: { x: axisScale(x), y: scaleOf("in relMSE", rows.map((r) => r.relmse)) } },
+      type: "line", data: { datasets: sets }, plugins: [spreadBars],
+      options: { scales: { x: axisScale(x), y: scaleOf("in relMSE", sets.flatMap((set) => set.data.map((d) => d.y))) } },
     }, keys(colourAxis(x)));
   }
 
@@ -343,10 +367,10 @@
     holder.closest("section").hidden = !any;
     if (!any || !results.axes.length) return;
     const seen = (r) => (known(r.firstRelmse) ? [r.firstRelmse, ...r.firstSpread] : null);
-    const views = lines(rows, x, seen, { borderDash: [5, 4], hollow: true });
+    const sets = lines(rows, x, relmse).concat(lines(rows, x, seen, { borderDash: [5, 4], hollow: true }));
     draw(holder, "Error of first pass and final image against " + results.axes[x], {
-      type: "line", data: { datasets: lines(rows, x, relmse).concat(views) }, plugins: [spreadBars],
-      options: { scales: { x: axisScale(x), y: scaleOf("relMSE", rows.map((r) => r.relmse)) } },
+      type: "line", data: { datasets: sets }, plugins: [spreadBars],
+      options: { scales: { x: axisScale(x), y: scaleOf("relMSE", extent(sets)) } },
     }, keys(colourAxis(x)));
   }
 
@@ -359,7 +383,7 @@
     const amount = { title: { display: true, text: title, color: css("--soft") }, beginAtZero: true,
       grid: { color: css("--grid") }, ticks: { color: css("--soft") }, border: { color: css("--line") }, stacked: true };
     category.stacked = true;
-    holder.replaceChildren();
+    holder.replaceChildren(element("h3", label));
     draw(holder, label, {
       type: "bar", data: { labels: category.labels, datasets },
       options: { indexAxis: "y", scales: { x: amount, y: category },
@@ -494,7 +518,7 @@
 
   function showDifference() {
     const canvas = byId("difference"), source = pictureOf(state.right).difference;
-    const scene = pictures[state.scene], context = canvas.getContext("2d");
+    const scene = pictures[state.scene], context = canvas.getContext("2d", { willReadFrequently: true });
     canvas.width = scene.width;
     canvas.height = scene.height;
     byId("difference-caption").textContent = source
@@ -589,7 +613,7 @@
     byId("title").textContent = results.title || "Study";
     byId("question").textContent = results.question;
     const facts = [results.points.length + " points", results.scenes.length + " scenes", results.seeds + " seeds",
-      results.reference_spp ? "reference: path tracing, " + brief(results.reference_spp) + " samples per pixel" : "references from files",
+      results.reference_spp ? "reference: " + results.reference_integrator + ", " + brief(results.reference_spp) + " samples per pixel" : "references from files",
       results.mask_emission ? "pixels that see an emitter are left out" : "all pixels are compared", "satin " + results.satin];
     byId("facts").append(...facts.map((text) => element("li", text)));
     results.scenes.forEach(function (scene, i) {

@@ -298,8 +298,28 @@ static const char *option_text(struct arena *arena, const satin_options *options
     return NULL;
 }
 
-// Continues the hashes of all points by their options in the loaded scene. Cells of options get the
-// value that they have in the first scene.
+// Whether options are what settings would make of them.
+static bool agree(const satin_options *options, const struct study_settings *set) {
+    satin_options changed = *options;
+    for (size_t i = 0; i < set->count; i++)
+        if (satin_options_set(&changed, set->setting[i].name, set->setting[i].value, NULL, NULL) !=
+            SATIN_OK)
+            return false;
+    return hash_options(FILEIO_HASH, &changed) == hash_options(FILEIO_HASH, options);
+}
+
+// What the tables say of a point in a column: the value of the option or, if several options change
+// together, the label of those that the point has. NULL if it has none.
+static const char *cell_text(struct arena *arena, const struct study_column *column,
+                             const satin_options *options) {
+    if (column->is_option) return option_text(arena, options, column->name);
+    for (size_t i = 0; i < column->values; i++)
+        if (agree(options, &column->value[i].set)) return column->value[i].label;
+    return NULL;
+}
+
+// Continues the hashes of all points by their options in the loaded scene. The cells are those of
+// the first scene.
 static satin_status describe_points(struct planner *p, uint64_t *hash) {
     struct study *s = &p->plan->study;
     for (size_t i = 0; i < s->points; i++) {
@@ -312,8 +332,8 @@ static satin_status describe_points(struct planner *p, uint64_t *hash) {
         if (status != SATIN_OK) return status;
         hash[i] = hash_options(p->at == 0 ? FILEIO_HASH : hash[i], &options);
         for (size_t c = 0; c < s->columns && p->at == 0; c++) {
-            const char *text =
-                s->column[c].is_option ? option_text(&s->arena, &options, s->column[c].name) : NULL;
+            const bool labelled = !s->column[c].is_option && point->cell[c];
+            const char *text = labelled ? NULL : cell_text(&s->arena, &s->column[c], &options);
             if (text) point->cell[c] = text;
         }
     }

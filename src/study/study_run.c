@@ -196,12 +196,15 @@ static satin_status run_all(struct running *r) {
 }
 
 // Reports what would be rendered.
-static void list_renders(const struct running *r) {
+static satin_status list_renders(const struct running *r) {
     for (size_t i = 0; i < r->plan->renders; i++) {
         char *command = study_command(&r->plan->render[i]);
-        if (command) report_line(r, command);
+        if (!command)
+            return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for the study");
+        report_line(r, command);
         free(command);
     }
+    return SATIN_OK;
 }
 
 satin_status study_run(const struct study_request *request, struct log log) {
@@ -210,7 +213,7 @@ satin_status study_run(const struct study_request *request, struct log log) {
     struct running r = {.request = request, .log = log, .plan = &plan, .store = &store};
     satin_status status = study_plan_make(log, request->file, request->program, &plan);
     if (status == SATIN_OK && request->dry) {
-        list_renders(&r);
+        status = list_renders(&r);
     } else if (status == SATIN_OK) {
         status = study_store_open(log, request->folder, &store);
         if (status == SATIN_OK) status = run_all(&r);

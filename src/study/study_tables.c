@@ -3,6 +3,7 @@
 // Columns of times and memory come last in a row; all others are the same in every run.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "study/study_report.h"
 
@@ -69,6 +70,7 @@ static void csv_row(const struct study_report *report, size_t scene, size_t poin
         study_text_add(out, ",,");
     csv_numbers(out, counts, sizeof counts / sizeof *counts);
     study_text_add(out, ",");
+    if (!command) out->failed = true;
     study_text_csv(out, command ? command : "");
     csv_numbers(out, times, 2);
     csv_numbers(out, result->stage_s, STUDY_STAGES);
@@ -82,6 +84,7 @@ void study_report_csv(const struct study_report *report, struct study_text *out)
     for (size_t i = 0; i < s->scenes; i++)
         for (size_t p = 0; p < s->points; p++) {
             char *label = study_point_label(s, &s->point[p]);
+            if (!label) out->failed = true;
             for (size_t k = 0; k < s->seeds; k++) csv_row(report, i, p, k, label ? label : "", out);
             free(label);
         }
@@ -134,6 +137,7 @@ static void json_run(const struct study_report *report, size_t scene, size_t poi
     study_text_add(out, "], \"message\": ");
     study_text_json(out, result->message ? result->message : "");
     study_text_add(out, ", \"command\": ");
+    if (!command) out->failed = true;
     study_text_json(out, command ? command : "");
     study_text_add(out, "}");
     free(command);
@@ -180,6 +184,7 @@ static void json_lists(const struct study_report *report, struct study_text *out
     study_text_add(out, "],\n  \"points\": [");
     for (size_t p = 0; p < s->points; p++) {
         char *label = study_point_label(s, &s->point[p]);
+        if (!label) out->failed = true;
         study_text_add(out, "%s\n    {\"label\": ", p ? "," : "");
         study_text_json(out, label ? label : "");
         study_text_add(out, ", \"values\": [");
@@ -196,6 +201,15 @@ static void json_lists(const struct study_report *report, struct study_text *out
     study_text_add(out, "],\n");
 }
 
+// The integrator of references that are rendered.
+static const char *reference_integrator(const struct study *s) {
+    const char *found = "path";
+    for (size_t i = 0; i < s->reference.count; i++)
+        if (strcmp(s->reference.setting[i].name, "integrator") == 0)
+            found = s->reference.setting[i].value;
+    return found;
+}
+
 void study_report_json(const struct study_report *report, struct study_text *out) {
     const struct study *s = &report->plan->study;
     study_text_add(out, "{\n  \"satin\": \"%s\",\n  \"title\": ", SATIN_VERSION);
@@ -205,6 +219,9 @@ void study_report_json(const struct study_report *report, struct study_text *out
     study_text_add(out, ",\n  \"mask_emission\": %s, \"reference_spp\": %llu, \"seeds\": %zu,\n",
                    s->mask_emission ? "true" : "false", (unsigned long long)s->reference_spp,
                    s->seeds);
+    study_text_add(out, "  \"reference_integrator\": ");
+    study_text_json(out, reference_integrator(s));
+    study_text_add(out, ",\n");
     json_lists(report, out);
     study_text_add(out, "  \"results\": [\n");
     for (size_t i = 0; i < s->scenes; i++)

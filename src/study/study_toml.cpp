@@ -18,6 +18,9 @@ extern "C" {
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 1
 #define TOML_ENABLE_FORMATTERS 0
+// Numbers are read by std::from_chars. The stream that would read them otherwise depends on the
+// locale, and lets std::bad_alloc leave a function that is noexcept.
+#define TOML_FLOAT_CHARCONV 1
 #include <toml++/toml.h>
 
 namespace {

@@ -22,6 +22,7 @@ SCENARIOS = {
     "denoise": Scenario(["render", "shelf.xml", "-o", "out.exr", "--threads", "1", "-q",
                          "--integrator", "path", "-D", "spp=2", "--denoise"], [], 1),
     "maps": Scenario(["maps", "in.exr", "-o", "."], [[*RENDER, "--set", "record-maps=on"]], 1),
+    "study": Scenario(["study", "study.toml", "--list"], [], 1),
     "room": Scenario([*RENDER, "--png", "--stats", "out.json", "--save-cache", "out.cache"], [], 4),
     "reload": Scenario([*RENDER, "--load-cache", "in.cache", "--save-cache", "out.cache"],
                        [[*RENDER, "--save-cache", "in.cache"]], 4),
