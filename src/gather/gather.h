@@ -61,9 +61,9 @@ static inline bool gather_traces_paths(const satin_options *o) {
 
 // ---- Direct light (gather_sample_lights.c) ------------------------------------------------------
 
-// How direct light is divided between BRDF sampling and light sampling: for each component of the
-// BRDF, the number of BRDF samples per light sample, drawn from all lobes of the component,
-// including ideal ones. Ratio 0 is light sampling alone. Lobes of different components do not
+// How direct light is divided between BRDF sampling and light sampling: for each group of the
+// BRDF, the number of BRDF samples per light sample, drawn from all lobes of the group,
+// including ideal ones. Ratio 0 is light sampling alone. Lobes of different groups do not
 // overlap. `depth` is the number of path segments between the eye and the point; panes that light
 // passes are added.
 struct gather_mis {
@@ -71,7 +71,7 @@ struct gather_mis {
     struct {
         unsigned lobes;
         float ratio;
-    } component[3];
+    } group[3];
 };
 
 // Light samples: their number, at least one, and the index of the first among those of its pixel.

@@ -19,9 +19,9 @@ static double count_records(const struct render *r) {
     return (double)cache_count_all(r->second_pass.cache);
 }
 
-// Fills all levels at `widen` times a; the loops are the range [done, done + span] of the stage. If
+// Fills all levels at `width` times a; the loops are the range [done, done + span] of the stage. If
 // `covering`, the numbers of rays are chosen so that the image is covered in time.
-static satin_status fill_levels(struct record_rounds *rounds, struct render_widths widen,
+static satin_status fill_levels(struct record_rounds *rounds, struct render_widths width,
                                 bool covering, double done, double span) {
     struct render *r = rounds->r;
     struct fill *fill = r->second_pass.fill;
@@ -43,7 +43,7 @@ static satin_status fill_levels(struct record_rounds *rounds, struct render_widt
                  kind++) {
                 const struct fill_sites sites = {.site = rounds->sites.site,
                                                  .count = rounds->sites.count,
-                                                 .a = a[kind] * widen.of[kind],
+                                                 .a = a[kind] * width.of[kind],
                                                  .widest = render_budget_widest(&r->options),
                                                  .spacing = 1.5f * (float)stride};
                 status = fill_records(fill, kind, &sites);
@@ -76,12 +76,12 @@ static satin_status fill_timed(struct record_rounds *rounds) {
     read_at(r, finished.of[CACHE_IRRADIANCE], finished.of[CACHE_RADIANCE]);
     double start = stats_wall();
     for (int i = 0; i < count && status == SATIN_OK; i++) {
-        const struct render_widths widen = render_budget_round(&r->options, i);
+        const struct render_widths width = render_budget_round(&r->options, i);
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-            fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(widen.of[k]));
-        status = fill_levels(rounds, widen, i == 0, (double)i / count, 1.0 / count);
+            fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(width.of[k]));
+        status = fill_levels(rounds, width, i == 0, (double)i / count, 1.0 / count);
         if (!render_steps(r)->records || !render_time_remains(r)) break;
-        finished = widen;
+        finished = width;
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /

@@ -17,7 +17,7 @@ struct site_search {
     const uint32_t *pixel;
     bool adaptive;
     struct fill_site *found;  // SITES_PER_PIXEL for each pixel of a block
-    uint8_t *count;           // number of slots of each pixel that are filled
+    uint8_t *count;           // number of sites of each pixel
     struct fill_site *site;   // the sites of the block are appended here
     size_t *first;            // index of the first site of each pixel
 };

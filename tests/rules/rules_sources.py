@@ -23,7 +23,8 @@ TOP = {"CHANGELOG.md", "LICENSE", "README.md", "bench", "bootstrap", "data", "do
        "meson.build", "meson_options.txt", "src", "tests"}
 MAX_LINES = 500
 # Longer on purpose, each with its reason.
-LONG_FILES = {}
+LONG_FILES = {"light_sky_tables.c": 700,  # generated
+              "rsh_tables.py": 600}  # the whole generator, from the recurrences to the C tables
 AIM_FUNCTION, MAX_FUNCTION = 60, 80
 FOLDERS = ["src", "include", "data", "tests", "bench", "docs"]
 CODE = {".c", ".h", ".cpp"}
@@ -91,7 +92,7 @@ def check_functions(lines):
 
 def check_text(path, lines):
     limit = LONG_FILES.get(path.name, MAX_LINES)
-    if path.suffix in CODE | {".py"} and "_tables." not in path.name and len(lines) > limit:
+    if path.suffix in CODE | {".py"} and len(lines) > limit:
         yield len(lines), f"{len(lines)} lines; the limit is {limit}"
     if path.suffix in CODE and (not lines or lines[0] != "// SPDX-License-Identifier: Apache-2.0"):
         yield 1, "the first line must be: // SPDX-License-Identifier: Apache-2.0"
