@@ -61,7 +61,9 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
     a->out->full_height = first->full_height;
     bool ok = true;
     for (int i = 0; i < first->attribute_count && ok; i++)
-        ok = film_attribute_set(a->out, first->attribute[i].name, first->attribute[i].value);
+        // The variance of the mean is no bound, whatever that of the images is.
+        if (strcmp(first->attribute[i].name, FILM_VARIANCE_ATTRIBUTE) != 0)
+            ok = film_attribute_set(a->out, first->attribute[i].name, first->attribute[i].value);
     const char *options = film_attribute_get(first, "satin:options");
     if (ok && options) ok = (a->options = strdup(options)) != NULL;
     return ok ? SATIN_OK : SATIN_ERROR_MEMORY;

@@ -92,6 +92,12 @@ const char *film_attribute_get(const struct satin_film *film, const char *name) 
     return found ? found->value : NULL;
 }
 
+const float *film_variance(const struct satin_film *film, const char *channel) {
+    const char *kind = film_attribute_get(film, FILM_VARIANCE_ATTRIBUTE);
+    return kind && strcmp(kind, FILM_VARIANCE_BOUND) == 0 ? NULL
+                                                          : satin_film_channel(film, channel);
+}
+
 void satin_film_size(const satin_film *film, int *width, int *height) {
     *width = film->width;
     *height = film->height;

@@ -42,6 +42,12 @@ float *film_channel(struct satin_film *film, const char *name);  // NULL if ther
 // Adds or replaces an attribute. False if there is no memory.
 bool film_attribute_set(struct satin_film *film, const char *name, const char *value);
 const char *film_attribute_get(const struct satin_film *film, const char *name);
+// Set to FILM_VARIANCE_BOUND if the channels of variance are a bound, which must not be subtracted.
+#define FILM_VARIANCE_ATTRIBUTE "satin:variance"
+#define FILM_VARIANCE_BOUND "bound"
+// The variance of a channel's pixels that may be subtracted from squared errors; NULL if there is
+// none, or if it is a bound.
+const float *film_variance(const struct satin_film *film, const char *channel);
 // The attribute that holds `stats` in a file.
 #define FILM_STATS_ATTRIBUTE "satin:stats"
 // Writes an OpenEXR file. With a pool, all threads compress, with the same result; NULL: no pool.
@@ -141,8 +147,9 @@ satin_status film_common_box(const struct satin_film *a, const struct satin_film
                              int box[4]);
 // Makes a film of a box of the image (film_common_box) with the first channels R, G and B, which
 // are those of the layer, or of the beauty if `layer` is NULL. Channels of layer emission are there
-// if the image has them, and those of layer variance with the beauty. `name` is for messages.
-// SATIN_ERROR_INPUT, with one logged line, if the image has not all pixels or no such channels.
+// if the image has them, and those of layer variance with the beauty unless they are a bound.
+// `name` is for messages. SATIN_ERROR_INPUT, with one logged line, if the image has not all pixels
+// or no such channels.
 satin_status film_select(const struct satin_film *film, const char *name, const char *layer,
                          const int box[4], struct log log, struct satin_film **out);
 // The error of each pixel of a selected image: the root of the mean of (x - r)^2 / (r^2 + 0.01)

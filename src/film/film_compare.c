@@ -83,7 +83,8 @@ static satin_status find_planes(const struct satin_film *image, const struct sat
                         image->width, image->height, reference->width, reference->height);
     find_layer(image, beauty, p->channel[IMAGE]);
     find_layer(reference, beauty, p->channel[REFERENCE]);
-    find_layer(reference, variance, p->channel[VARIANCE]);
+    if (film_variance(reference, variance[0]))
+        find_layer(reference, variance, p->channel[VARIANCE]);
     if (!p->channel[IMAGE][0] || !p->channel[REFERENCE][0])
         return log_fail(log, SATIN_ERROR_INPUT, "%s has no channels R, G and B",
                         p->channel[IMAGE][0] ? "the reference" : "the image");

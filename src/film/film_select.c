@@ -64,13 +64,14 @@ satin_status film_select(const struct satin_film *film, const char *name, const 
         (int64_t)box[1] + box[3] > (int64_t)film->y + film->height)
         return log_fail(log, SATIN_ERROR_INPUT, "%s: it does not have the %dx%d pixels at (%d, %d)",
                         name, box[2], box[3], box[0], box[1]);
+    const bool bound = !film_variance(film, "variance.R");
     for (int i = 0; i < 9; i++) {
         const float *channel = layer_channel(film, layers[i / 3], i % 3);
         if (!channel && i < 3)
             return log_fail(log, SATIN_ERROR_INPUT, "%s: it has no channels %s%sR, G and B", name,
                             layers[0], layer ? "." : "");
-        // The variance in a reference is that of the beauty.
-        if (!channel || (layer && i / 3 == 1)) continue;
+        // The variance in a reference is that of the beauty; a bound of it is not subtracted.
+        if (!channel || ((layer || bound) && i / 3 == 1)) continue;
         from[count] = channel;
         found[count++] = names[i];
     }

@@ -33,7 +33,8 @@ enum {
     CHANNEL_MAPS,                      // four channels of records, with option record-maps
     CHANNEL_NOISY = CHANNEL_MAPS + 4,  // with option denoise
     CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
-    FILM_CHANNELS = CHANNEL_UNCACHED + 3,
+    CHANNEL_VARIANCE = CHANNEL_UNCACHED + 3,
+    FILM_CHANNELS = CHANNEL_VARIANCE + 3,
     NAMES_MAX = FILM_CHANNELS + AOV_CHANNELS_MAX  // of an image
 };
 
@@ -79,6 +80,9 @@ static const struct {
     {"uncached.R", ANY},
     {"uncached.G", ANY},
     {"uncached.B", ANY},
+    {"variance.R", BY_PATH},
+    {"variance.G", BY_PATH},
+    {"variance.B", BY_PATH},
 };
 
 // The planes of the channels; NULL: the film does not have the channel.
@@ -152,6 +156,22 @@ static void put_maps(const struct planes *planes, size_t at, const struct image_
     put(planes, CHANNEL_MAPS + 3, at, used->rays * mean);
 }
 
+// Sets the variance of the pixel's mean, by the differences of its complete blocks.
+static void put_variance(const struct render_image *image, const struct planes *planes, size_t at,
+                         const struct image_pixel *pixel) {
+    const struct image_blocks *blocks = &image->blocks[pixel - image->pixel];
+    const double m = (double)image->block, n = (double)(pixel->samples / image->block);
+    if (n < 2.0) return;
+    const rgb sums = blocks->sums, squares = blocks->squares;
+    const double sum[3] = {(double)sums.r, (double)sums.g, (double)sums.b};
+    const double square[3] = {(double)squares.r, (double)squares.g, (double)squares.b};
+    for (int c = 0; c < 3; c++) {
+        const double spread = fmax(square[c] - sum[c] * sum[c] / n, 0.0) / (n - 1.0);
+        // The mean is that of all samples, of which some may be in no complete block.
+        put(planes, CHANNEL_VARIANCE + c, at, (float)(spread / (m * (double)pixel->samples)));
+    }
+}
+
 // Sets the channels of the scene's AOVs.
 static void put_aovs(const struct render_image *image, float *const *plane, size_t at,
                      const struct image_pixel *pixel) {
@@ -196,7 +216,10 @@ static bool is_wanted(const char *layers, const char *channel) {
 
 static bool has_channel(const struct satin_scene *scene, const satin_options *options, int i) {
     if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) return false;
-    if (i >= CHANNEL_NOISY && !options->denoise) return false;
+    if (i >= CHANNEL_NOISY && i < CHANNEL_VARIANCE && !options->denoise) return false;
+    // A denoised image has another variance, and weights of both signs have none by this estimate.
+    if (i >= CHANNEL_VARIANCE && (options->denoise || film_filter_has_lobes(&scene->film)))
+        return false;
     if (i == CHANNEL_ALPHA && !scene->film.alpha) return false;
     return channels[i].by & 1u << options->integrator &&
            !is_aov(&scene->hints.aovs, channels[i].name);
@@ -293,6 +316,7 @@ static void fill_rows_of_film(void *ctx, size_t begin, size_t end, int worker) {
         if (!source) continue;
         put_pixel(&f->planes, at, source, image);
         put_maps(&f->planes, at, source);
+        if (image->blocks) put_variance(image, &f->planes, at, source);
         if (image->aov) put_aovs(image, f->aov, at, source);
     }
     atomic_fetch_add(&f->samples, samples);

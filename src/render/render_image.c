@@ -37,7 +37,12 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
     image->film = render_film_new(scene, options);
-    bool ok = image->pixel && image->film && (image->aov || !aovs->values);
+    const bool variance = image->film && film_channel(image->film, "variance.R");
+    if (variance) image->blocks = calloc(pixels, sizeof *image->blocks);
+    image->block = 1;
+    while (2 * IMAGE_BLOCKS * image->block <= (uint32_t)options->spp) image->block *= 2;
+    bool ok = (image->blocks || !variance) && image->pixel && image->film &&
+              (image->aov || !aovs->values);
     if (ok && options->denoise) ok = render_denoise_memory(image);
     if (ok && adaptive_make(&image->adapt, width, height, options->light_samples)) return image;
     render_image_free(image);
@@ -51,6 +56,7 @@ void render_image_free(struct render_image *image) {
     free(image->planes);
     free(image->uncached);
     free(image->aov);
+    free(image->blocks);
     free(image->pixel);
     free(image);
 }
@@ -79,6 +85,16 @@ static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) 
     pixel->record += s->record;
     pixel->used = cache_used_add(pixel->used, s->used);
     return true;
+}
+
+// To be called after add_sample.
+static void add_to_block(struct render_image *image, size_t at, rgb value) {
+    struct image_blocks *blocks = &image->blocks[at];
+    blocks->begun = rgb_add(blocks->begun, value);
+    if (image->pixel[at].samples % image->block) return;
+    blocks->sums = rgb_add(blocks->sums, blocks->begun);
+    blocks->squares = rgb_fma(blocks->squares, blocks->begun, blocks->begun);
+    blocks->begun = rgb_grey(0.0f);
 }
 
 static void add_aovs(const struct render_image *image, size_t at, const struct shade_sample *s) {
@@ -111,6 +127,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                     if (parallel_stopped(pass->r->pool)) return;  // it may be incomplete
                     bool finite = add_sample(&image->pixel[at], &sample);
                     if (finite && image->aov) add_aovs(image, at, &sample);
+                    if (finite && image->blocks) add_to_block(image, at, sample.beauty);
                     if (finite && image->uncached)
                         image->uncached[at] =
                             rgb_mad(image->uncached[at], sample.uncached, sample.weight);

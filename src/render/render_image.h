@@ -17,6 +17,16 @@ struct image_pixel {
     float rim_weight;
 };
 
+// Sums over blocks of a pixel's consecutive samples. The samples of a pixel are stratified, so the
+// variance of their mean is far less than it would be by the differences of single samples; the
+// means of whole blocks are stratified each, and differ by little more than the mean of all.
+struct image_blocks {
+    rgb begun;          // the sum of the samples of the block that is not complete
+    rgb sums, squares;  // of the sums of complete blocks
+};
+// The least number of blocks of a pixel.
+enum { IMAGE_BLOCKS = 4 };
+
 struct render_image {
     int width, height;
     struct image_pixel *pixel;
@@ -26,11 +36,13 @@ struct render_image {
     float *aov;
     size_t sums;  // number of sums per pixel
     struct adaptive_sampling adapt;
-    uint64_t taken;           // number of samples
-    uint32_t rim_rays;        // of each pixel at a rim; 0: none was found so far
-    int coarsest;             // pixels between the first samples, a power of two
-    bool has_first_samples;   // whether each of these pixels has a sample
-    struct satin_film *film;  // the film that is made from the image
+    struct image_blocks *blocks;  // of path, for its variance; else NULL
+    uint32_t block;               // number of samples of a block, a power of two
+    uint64_t taken;               // number of samples
+    uint32_t rim_rays;            // of each pixel at a rim; 0: none was found so far
+    int coarsest;                 // pixels between the first samples, a power of two
+    bool has_first_samples;       // whether each of these pixels has a sample
+    struct satin_film *film;      // the film that is made from the image
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
     rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result

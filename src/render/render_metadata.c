@@ -71,6 +71,8 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&
               film_attribute_set(film, "satin:scene_hash", hash) &&
               film_attribute_set(film, "satin:options", options);
+    if (ok && film_channel(film, "variance.R"))
+        ok = film_attribute_set(film, FILM_VARIANCE_ATTRIBUTE, FILM_VARIANCE_BOUND);
     if (ok && r->image->denoised)
         ok = film_attribute_set(film, "satin:denoiser", film_denoiser_name(r->denoiser));
     if (ok && render_cancelled(r))

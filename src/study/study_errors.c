@@ -135,7 +135,7 @@ static void compare_with(struct comparison *c, satin_film *const *image,
     gram->reference = gram->values = 0.0;
     for (int k = 0; k < 3; k++) {
         const float *r = satin_film_channel(reference, beauty_name[k]);
-        const float *v = satin_film_channel(reference, variance_name[k]);
+        const float *v = film_variance(reference, variance_name[k]);
         for (size_t s = 0; s < n; s++) c->x[s] = satin_film_channel(image[s], beauty_name[k]);
         if (r) add_plane(gram, c->x, r, v, c->left_out, pixels_of(reference));
     }
@@ -193,7 +193,7 @@ double study_reference_noise(const satin_film *reference) {
     double sum = 0.0;
     for (int c = 0; c < 3; c++) {
         const float *r = satin_film_channel(reference, beauty_name[c]);
-        const float *v = satin_film_channel(reference, variance_name[c]);
+        const float *v = film_variance(reference, variance_name[c]);
         if (!r || !v) return (double)NAN;
         for (size_t i = 0; i < pixels_of(reference); i++)
             sum += (double)v[i] / ((double)r[i] * (double)r[i] + SQUARE_FLOOR);

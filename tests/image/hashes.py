@@ -53,10 +53,14 @@ def pixels(data):
     return attributes[b"channels"] + attributes[b"dataWindow"] + data[first:]
 
 
-def full_floats(satin):
-    """The argument with which a program writes full floats; programs before it had no other."""
+def as_before(satin, options):
+    """The arguments with which a program writes the channels of programs before --float."""
     helped = subprocess.run([satin, "help", "render"], capture_output=True, text=True, check=True)
-    return ["--float"] if "--float " in helped.stdout else []
+    if "--float " not in helped.stdout:
+        return []
+    # Since then path has channels of variance, which are left out here.
+    path = "--integrator path" in options
+    return ["--float"] + (["--layers", "emission,albedo,normal,depth,samples"] if path else [])
 
 
 def hash_of(satin, scene, side, options):
@@ -64,7 +68,7 @@ def hash_of(satin, scene, side, options):
         out = pathlib.Path(folder) / "out.exr"
         done = subprocess.run(
             [satin, "render", SCENES / scene, "-o", out, "--width", str(side),
-             "--height", str(side), *options.split(), *COMMON, *full_floats(satin)],
+             "--height", str(side), *options.split(), *COMMON, *as_before(satin, options)],
             capture_output=True, text=True)
         if done.returncode:
             raise RenderFailed(f"{satin} {scene} {side}x{side} {options}: exit {done.returncode}: "
