@@ -26,10 +26,22 @@ MAX_LINES = 500
 LONG_FILES = {"light_sky_tables.c": 700,  # generated
               "rsh_tables.py": 600}  # the whole generator, from the recurrences to the C tables
 AIM_FUNCTION, MAX_FUNCTION = 60, 80
+# No function of src has more arguments, except those that had when the rule was made. The list may
+# only shrink.
+MAX_ARGUMENTS = 7
+MANY_ARGUMENTS = set("""
+    accel_build accumulate_columns add_azimuth add_filtered align brdf_sample convert_rows
+    eval_column film_encode_pixels light_find mix_set photon_caustic photon_irradiance_many
+    photon_radiance plain_project project_glossy rotate_bands rotate_batch_channels
+    rotate_group rsh_align rsh_align_many rsh_align_transposed rsh_align_transposed_many
+    rsh_project
+""".split())
 FOLDERS = ["src", "include", "data", "tests", "bench", "docs"]
 CODE = {".c", ".h", ".cpp"}
 DECLARED = re.compile(r"^(?!static|typedef|#|return)\w[\w \*\n]*?\b(\w+)\([^;{}]*\);", re.MULTILINE)
 DEFINED = re.compile(r"^(?!static|typedef)\w[\w \*\n]*?\b(\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
+WITH_ARGUMENTS = re.compile(r"^(?!typedef|#)\w[\w \*\n]*?\b(\w+)"
+                            r"\(((?:[^;{}()]|\([^;{}()]*\))*)\)\s*\{", re.MULTILINE)
 MACHINE_PATH = re.compile(r"(?<![\w.$}])/(?:home|root|work|Users|mnt)/[\w.]")
 
 
@@ -154,9 +166,29 @@ def check_headers(tree):
                 yield path, f"{name} is defined in {min(files)}, which no comment names"
 
 
+def check_arguments(tree):
+    """Functions of src with more than MAX_ARGUMENTS arguments."""
+    found = {}
+    for path in sorted((tree / "src").rglob("*.c")):
+        text = re.sub(r"//[^\n]*", "", path.read_text(encoding="utf-8"))
+        for name, arguments in WITH_ARGUMENTS.findall(text):
+            if without_brackets(arguments).count(",") >= MAX_ARGUMENTS:
+                found[name] = path
+    yield from ((path, f"{name} has more than {MAX_ARGUMENTS} arguments")
+                for name, path in found.items() if name not in MANY_ARGUMENTS)
+    yield from ((tree / "src", f"{name} has few arguments now: take it off MANY_ARGUMENTS")
+                for name in sorted(MANY_ARGUMENTS - found.keys()))
+
+
+def without_brackets(text):
+    """The text without what is in round brackets, as in pointers to functions."""
+    return re.sub(r"\([^()]*\)", "", text)
+
+
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
-    wrong = [(p, 1, what) for p, what in [*check_names(tree), *check_headers(tree)]]
+    wrong = [(p, 1, what) for p, what in [*check_names(tree), *check_headers(tree),
+                                          *check_arguments(tree)]]
     wrong += [(tree / name, 1, "the top level has no place for it")
               for name in sorted(kept_at_top(tree) - TOP) if not name.startswith(".")]
     warnings = []
