@@ -62,21 +62,24 @@ static struct guide_visibility_tally guide_visibility_sample(
 }
 
 // Learns the visibility on that many threads.
-static struct guide_visibility *guide_visibility_look(struct test_scene *t, int threads) {
-    enum { SEED = 0, BIN_RAYS = 3 };  // as of the default options
+static struct guide_visibility *guide_visibility_look(struct test_scene *t, int threads,
+                                                      int bin_rays) {
+    enum { SEED = 0 };
     struct parallel *pool = parallel_new(threads);
     struct guide_visibility *visibility = NULL;
     assert_int_equal(
-        guide_visibility_build(&t->scene, SEED, (struct guide_visibility_samples){4096, BIN_RAYS},
+        guide_visibility_build(&t->scene, SEED, (struct guide_visibility_samples){4096, bin_rays},
                                pool, &visibility),
         SATIN_OK);
     parallel_free(pool);
     return visibility;
 }
 
+enum { BIN_RAYS = 3 };  // as of the default options
+
 static struct guide_visibility *begin(struct test_scene *t, bool walls, int lamps, int threads) {
     guide_visibility_room(t, walls, lamps);
-    return guide_visibility_look(t, threads);
+    return guide_visibility_look(t, threads, BIN_RAYS);
 }
 
 static void end(struct test_scene *t, struct guide_visibility *visibility) {
@@ -97,6 +100,42 @@ static void samples_go_through_the_hole(void **state) {
         assert_true(guided.visible > 30.0 * blind.visible);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
+    end(&t, all);
+}
+
+// The fraction of E at p that comes from directions which samples draw rarely: less often than if
+// they went by radiance.
+static double guide_visibility_rare(const struct test_scene *t, const struct guide_visibility *all,
+                                    vec3 p) {
+    enum { SAMPLES = 1 << 14 };
+    const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
+    double rare = 0.0, E = 0.0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const vec2 u = sample_sobol2(i, 5);
+        const vec3 w = sample_cosine_hemisphere(u.x, u.y);
+        struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), w);
+        if (scene_occluded(&t->scene, &ray)) continue;
+        E += 1.0;
+        if (light_environment_pdf(&t->scene, histogram, w) <
+            light_environment_pdf(&t->scene, NULL, w))
+            rare += 1.0;
+    }
+    return rare / E;
+}
+
+// One ray per bin misses what is visible from a part of a cell; the cells around have found it.
+// Without them .10 of E would be rare, with them nothing is.
+static void rays_of_other_cells_find_what_those_of_one_miss(void **state) {
+    (void)state;
+    struct test_scene t;
+    double rare = 0.0;
+    guide_visibility_room(&t, true, 0);
+    struct guide_visibility *all = guide_visibility_look(&t, 2, 1);
+    for (int i = 0; i < 16; i++) {
+        const vec3 p = v3(0.3f * (float)(i % 4) - 0.45f, 0.3f * (float)(i / 4) - 0.45f, -1.0f);
+        rare += guide_visibility_rare(&t, all, p) / 16.0;
+    }
+    assert_true(rare < 0.02);
     end(&t, all);
 }
 
@@ -143,8 +182,8 @@ static void threads_do_not_change_visibility(void **state) {
     (void)state;
     struct test_scene t;
     guide_visibility_room(&t, true, 0);
-    struct guide_visibility *one = guide_visibility_look(&t, 1),
-                            *three = guide_visibility_look(&t, 3);
+    struct guide_visibility *one = guide_visibility_look(&t, 1, BIN_RAYS),
+                            *three = guide_visibility_look(&t, 3, BIN_RAYS);
     for (int i = 0; i < 64; i++) {
         const vec3 p = v3(0.06f * (float)(i % 8) - 0.2f, 0.06f * (float)(i / 8) - 0.2f, -1.0f);
         const struct light_histogram *a = guide_visibility_at(one, p).histogram;
@@ -159,6 +198,7 @@ static void threads_do_not_change_visibility(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_go_through_the_hole),
+        cmocka_unit_test(rays_of_other_cells_find_what_those_of_one_miss),
         cmocka_unit_test(samples_of_an_open_floor_go_to_the_sky),
         cmocka_unit_test(without_a_sky_there_is_no_histogram),
         cmocka_unit_test(lamps_behind_walls_are_hardly_chosen),
