@@ -91,6 +91,7 @@
   function colourOf(axis, value) {
     const list = HUES[theme()];
     if (axis < 0) return list[0];
+    if (value === null || value === "") return css("--soft");
     const values = axisValues(axis), at = Math.max(values.indexOf(value), 0);
     if (!isNumeric(values) || values.length < 4) return list[at % list.length];
     const t = at / (values.length - 1);
@@ -613,7 +614,7 @@
     byId("title").textContent = results.title || "Study";
     byId("question").textContent = results.question;
     const facts = [results.points.length + " points", results.scenes.length + " scenes", results.seeds + " seeds",
-      results.reference_spp ? "reference: " + results.reference_integrator + ", " + brief(results.reference_spp) + " samples per pixel" : "references from files",
+      results.reference_spp ? "reference: " + results.reference_integrator + ", " + results.reference_spp + " samples per pixel" : "references from files",
       results.mask_emission ? "pixels that see an emitter are left out" : "all pixels are compared", "satin " + results.satin];
     byId("facts").append(...facts.map((text) => element("li", text)));
     results.scenes.forEach(function (scene, i) {
