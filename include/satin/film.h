@@ -62,8 +62,8 @@ typedef struct satin_exr_format {
     satin_exr_compression compression;
 } satin_exr_format;
 
-// Does what satin_film_write_exr does, in that format; NULL is all zero. SATIN_ERROR_ARGUMENT also
-// if the compression is not one of the enum.
+// Does what satin_film_write_exr does, from the same threads, in that format; NULL is all zero.
+// SATIN_ERROR_ARGUMENT also if the compression is not one of the enum.
 SATIN_API satin_status satin_film_write_exr_as(const satin_film *film, const char *path,
                                                const satin_exr_format *format, satin_log_fn log,
                                                void *log_user);
