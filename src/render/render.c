@@ -116,17 +116,6 @@ static satin_status bounce_records(struct render *r) {
     return render_steps(r)->records ? render_bounces(r) : SATIN_OK;
 }
 
-// Makes what the image and the search for sites need. `cache` may be NULL if the course does not
-// interpolate.
-static satin_status prepare_shading(struct render *r, const struct cache *cache) {
-    struct render_second_pass *pass = &r->second_pass;
-    const bool interpolates = render_steps(r)->interpolates;
-    const struct cache_reader records =
-        cache_reader_make(interpolates ? cache : NULL, &pass->tables, pass->gather.options);
-    return shade_init(&pass->shade, &pass->gather, records, interpolates,
-                      render_budget_missing(&r->options), r->pool);
-}
-
 // Makes an empty cache, and what the image and the search for sites need.
 static satin_status prepare_second_pass(struct render *r) {
     struct render_second_pass *pass = &r->second_pass;
@@ -134,38 +123,13 @@ static satin_status prepare_second_pass(struct render *r) {
     if (!pass->cache) return SATIN_ERROR_MEMORY;
     pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
     if (!pass->fill) return SATIN_ERROR_MEMORY;
-    return prepare_shading(r, pass->cache);
+    return render_shading(r, pass->cache);
 }
 
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
 static satin_status sample_image(struct render *r) {
-    if (!render_steps(r)->coarse) render_limit_image(r);
+    render_limit_image(r);
     return render_image_fill(r);
-}
-
-static satin_status sample_coarse(struct render *r, enum render_course course) {
-    struct render_second_pass *pass = &r->second_pass;
-    render_take_course(r, course);
-    if (course == COURSE_COARSE_DIRECT) {
-        shade_destroy(&pass->shade);
-        pass->gather = gather_make(&r->scene, &pass->options, NULL);
-        satin_status status = prepare_shading(r, NULL);
-        if (status != SATIN_OK) return status;
-    }
-    render_limit_coarse(r);
-    satin_status status = sample_image(r);
-    return status == SATIN_OK ? SATIN_CANCELLED : status;
-}
-
-// If the render was cancelled before the image had its first samples, it gets coarse ones within a
-// moment: with the records so far or, if that takes too long or there are none, with direct light
-// alone.
-static satin_status coarse_after_cancellation(struct render *r) {
-    satin_status status = SATIN_CANCELLED;
-    if (r->progress.stage == STAGE_RECORDS) status = sample_coarse(r, COURSE_COARSE);
-    if (status == SATIN_CANCELLED && !r->image->has_first_samples)
-        status = sample_coarse(r, COURSE_COARSE_DIRECT);
-    return status;
 }
 
 // Makes the film of a render that has ended, denoised if the options include that. A cancelled
@@ -202,7 +166,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = prepare_second_pass(r);
     if (status == SATIN_OK && render_steps(r)->records) status = render_records(r);
     if (status == SATIN_OK) status = sample_image(r);
-    if (status == SATIN_CANCELLED) status = coarse_after_cancellation(r);
+    if (status == SATIN_CANCELLED) status = render_coarse(r);
     if (r) status = finish_film(r, status, &film);
     if (status == SATIN_ERROR_MEMORY && !(r && r->outcome.error_logged)) {
         const struct log log = {callbacks ? callbacks->log : NULL,

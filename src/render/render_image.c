@@ -222,6 +222,15 @@ static bool take_first_samples(struct image_pass *pass) {
     return whole;
 }
 
+satin_status render_shading(struct render *r, const struct cache *cache) {
+    struct render_second_pass *pass = &r->second_pass;
+    const bool interpolates = render_steps(r)->interpolates;
+    const struct cache_reader records =
+        cache_reader_make(interpolates ? cache : NULL, &pass->tables, pass->gather.options);
+    return shade_init(&pass->shade, &pass->gather, records, interpolates,
+                      render_budget_missing(&r->options), r->pool);
+}
+
 satin_status render_image_fill(struct render *r) {
     struct render_image *image = r->image;
     const int workers = parallel_threads(r->pool);

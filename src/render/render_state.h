@@ -196,7 +196,16 @@ void render_sites_free(struct render_sites *sites);
 // the options.
 satin_status render_adaptive_cache(struct render *r);
 
+// ---- render_coarse.c
+// If the render was cancelled before the image had its first samples, gives it coarse ones within a
+// moment: with the records so far or, if that takes too long or there are none, with direct light
+// alone. SATIN_CANCELLED, or SATIN_ERROR_MEMORY.
+satin_status render_coarse(struct render *r);
+
 // ---- render_image.c
+// Makes what the image and the search for sites need. `cache` may be NULL if the course does not
+// interpolate. SATIN_ERROR_MEMORY.
+satin_status render_shading(struct render *r, const struct cache *cache);
 struct render_image *render_image_new(const struct satin_scene *scene,
                                       const satin_options *options);
 void render_image_free(struct render_image *image);
