@@ -16,8 +16,8 @@ struct path_walk {
     float eta;
     int depth;    // number of segments before the ray
     vec3 from;    // the last surface with smooth lobes on the path
-    float pdf_w;  // density of the BRDF sample by which `from` was left; 0: by a delta lobe, or
-                  // there is none
+    float pdf_w;  // density of the BRDF sample by which `from` was left, per light sample there; 0:
+                  // by a delta lobe, or there is none
     struct light_chain chain;  // chain of specular surfaces from there on
     bool emission;             // whether emitted light that the ray hits is added
     bool specular;             // whether all surfaces so far were ideal specular
@@ -33,8 +33,15 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
     if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;
     if (!light_chain_straight(&walk->chain, d)) return Le;
     *T = walk->T;
-    return rgb_scale(Le,
-                     mis_power(walk->pdf_w, gather_light_pdf(g, walk->from, &walk->chain, hit)));
+    const float light_pdf = gather_light_pdf(g, walk->from, &walk->chain, hit);
+    return rgb_scale(Le, mis_power(walk->pdf_w, light_pdf));
+}
+
+// The number of light samples at a point that is `depth` segments from the eye. A sample of
+// progressive photon mapping costs a share of new photons too, so it takes all those of the options
+// at the first point.
+static int light_count(const struct gather *g, int depth) {
+    return g->progressive && depth == 1 ? g->options->light_samples : 1;
 }
 
 // Continues the path from `from` by a sample, along `d`.
@@ -43,7 +50,7 @@ static void leave_point(const struct gather *g, const struct shading_point *from
     if (next->pdf_w > 0.0f) {
         walk->T = walk->rest;  // light samples found direct light
         walk->from = from->interaction.p;
-        walk->pdf_w = next->pdf_w;
+        walk->pdf_w = next->pdf_w / (float)light_count(g, walk->depth + 1);
         walk->chain = light_chain_begin(d);
     } else {
         light_chain_pass(&walk->chain, g->scene, &from->interaction, v3_neg(walk->ray.d),
@@ -83,9 +90,10 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
 // up to the point.
 static rgb light_at(const struct gather *g, const struct shading_point *p, int depth,
                     struct sampler sampler) {
-    const struct gather_mis both = {depth, {{BRDF_ALL, 1.0f}}};
-    const rgb direct = gather_sample_lights(
-        g, p, both, (struct gather_light_samples){1, sampler.index}, sampler, NULL);
+    const int count = light_count(g, depth);
+    const struct gather_mis both = {depth, {{BRDF_ALL, 1.0f / (float)count}}};
+    const struct gather_light_samples samples = {count, sampler.index * (uint32_t)count};
+    const rgb direct = gather_sample_lights(g, p, both, samples, sampler, NULL);
     if (!g->progressive || !(p->lobes & BRDF_REFLECT)) return direct;
     return rgb_add(direct, photon_progressive_radiance(g->progressive, p, depth));
 }
