@@ -37,9 +37,9 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
     return rgb_scale(Le, mis_power(walk->pdf_w, light_pdf));
 }
 
-// The number of light samples at a point that is `depth` segments from the eye. A sample of
-// progressive photon mapping costs a share of new photons too, so it takes all those of the options
-// at the first point.
+// The number of light samples at a point that is `depth` segments from the eye. For each sample of
+// progressive photon mapping new photons were traced too, so it takes all those of the options at
+// the first point.
 static int light_count(const struct gather *g, int depth) {
     return g->progressive && depth == 1 ? g->options->light_samples : 1;
 }
