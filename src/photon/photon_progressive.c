@@ -26,8 +26,8 @@ enum { OPEN_CHUNK = 256 };  // photons of a chunk
 static const double ALPHA = 2.0 / 3.0;
 
 // Indirect light is from photons, except in directions that a glossy lobe draws with a larger
-// density [sr^-1]: few photons come from there, so paths continue. With a third or a tenth of it the
-// error of 16 passes is 1.2 to 2.6 times as large in rooms with glossy walls.
+// density [sr^-1]: few photons come from there, so paths continue. With a third or a tenth of it
+// the error of 16 passes is 1.2 to 2.6 times as large in rooms with glossy walls.
 static const float SHARP_PDF = 3.0f;
 
 struct photon_progressive {
