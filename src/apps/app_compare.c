@@ -33,7 +33,8 @@ const struct app_flag app_compare_flags[] = {
     {"--error-image", NULL, "FILE",
      "Writes a picture of the relative errors (.png), or the differences and errors (.exr)."},
     {"--html", NULL, "FILE", "Writes a page with the pictures, a slider and the errors."},
-    {"--fail-over", NULL, "RELMSE", "Fails, with exit status 1, if relMSE is over this."},
+    {"--fail-over", NULL, "RELMSE",
+     "Fails, with exit status 1, if relMSE is over this or a pixel is not finite."},
     {"--help", "-h", NULL, "Prints this."},
     {NULL, NULL, NULL, NULL},
 };
@@ -56,6 +57,14 @@ static void compare_scenes(const char *path, const struct satin_film *image, con
                *b = film_attribute_get(reference, "satin:scene_hash");
     if (a && b && strcmp(a, b) != 0)
         fprintf(stderr, "satin: warning: %s and %s are of different scenes\n", path, other);
+}
+
+// Warns of pixels that the figures leave out.
+static void warn_nonfinite(const struct app_compared *c, const char *other) {
+    const uint64_t count = c->difference.nonfinite;
+    if (count)
+        fprintf(stderr, "satin: warning: %s: %" PRIu64 " pixel%s not finite in it or in %s\n",
+                c->path, count, count == 1 ? " is" : "s are", other);
 }
 
 static satin_status compute_flip(struct app_compared *c, struct log log) {
@@ -92,6 +101,7 @@ static satin_status compare_image(const struct compare_request *r, const char *p
     if (status == SATIN_OK)
         status = film_compare(c->image, c->reference, r->mask, log, &c->difference);
     if (status != SATIN_OK) return status;
+    warn_nonfinite(c, other);
     c->error = malloc((size_t)box[2] * (size_t)box[3] * sizeof *c->error);
     if (!c->error) return SATIN_ERROR_MEMORY;
     film_pixel_errors(c->image, c->reference, c->error);
@@ -287,11 +297,17 @@ static int read_compare_arguments(int argc, char **argv, struct compare_request 
 static int check_limit(const struct compare_request *r, const struct app_compared *compared,
                        int count) {
     int result = APP_DONE;
+    if (!isfinite(r->limit)) return APP_DONE;
     for (int i = 0; i < count; i++) {
-        if (compared[i].difference.relmse <= r->limit) continue;
+        const struct film_difference *d = &compared[i].difference;
+        if (d->relmse <= r->limit && d->nonfinite == 0) continue;
         char text[512];
-        snprintf(text, sizeof text, "%.400s: relMSE %.6g is over %g", compared[i].path,
-                 compared[i].difference.relmse, r->limit);
+        if (d->nonfinite)
+            snprintf(text, sizeof text, "%.400s: --fail-over needs pixels that are finite",
+                     compared[i].path);
+        else
+            snprintf(text, sizeof text, "%.400s: relMSE %.6g is over %g", compared[i].path,
+                     d->relmse, r->limit);
         app_log(NULL, SATIN_LOG_ERROR, text);
         result = APP_FAILED;
     }

@@ -133,7 +133,8 @@ struct film_difference {
 };
 
 // Compares channels R, G and B. `mask_emission` leaves out pixels where a layer emission of either
-// image is not black. Pixels that are not finite in either image are counted and left out.
+// image is not black. Pixels that are not finite in either image are counted and left out; a
+// variance that is negative or not finite counts as 0.
 // SATIN_ERROR_INPUT if sizes differ, channels are missing or no pixel is left.
 satin_status film_compare(const struct satin_film *image, const struct satin_film *reference,
                           bool mask_emission, struct log log, struct film_difference *out);

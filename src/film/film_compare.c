@@ -45,8 +45,14 @@ static double display_value(double linear) {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
 }
 
+// A variance that is negative or not finite is wrong, and counts as 0.
+static double sound_variance(double variance) {
+    return variance > 0.0 && isfinite(variance) ? variance : 0.0;
+}
+
 static void add_channel(struct sums *sums, double x, double r, double variance) {
-    double d2 = (x - r) * (x - r) - variance, display = display_value(x) - display_value(r);
+    double d2 = (x - r) * (x - r) - sound_variance(variance);
+    double display = display_value(x) - display_value(r);
     sums->squared += d2;
     sums->relative += d2 / (r * r + RELATIVE_FLOOR);
     sums->display += display * display;
@@ -55,7 +61,7 @@ static void add_channel(struct sums *sums, double x, double r, double variance) 
 static void add_pixel(struct sums *sums, const struct compared_planes *p, size_t i) {
     rgb x = value_at(p, IMAGE, i), r = value_at(p, REFERENCE, i), v = value_at(p, VARIANCE, i);
     rgb emitted = rgb_add(value_at(p, EMISSION_IMAGE, i), value_at(p, EMISSION_REFERENCE, i));
-    if (!rgb_finite(x) || !rgb_finite(r) || !rgb_finite(v)) {
+    if (!rgb_finite(x) || !rgb_finite(r)) {
         sums->nonfinite++;
         return;
     }
