@@ -170,7 +170,7 @@ void app_log(void *user, satin_log_severity severity, const char *message);
 
 // From now on SIGINT, SIGTERM and SIGHUP cancel the render. A signal more than a second after the
 // first one ends the process at once. SIGHUP stays ignored if it was ignored, as under nohup.
-// SIGPIPE and SIGXFSZ are ignored, so that a failed write is an error and does not end the process.
+// SIGPIPE is ignored, so that a failed write is an error and does not end the process.
 void app_catch_signals(void);
 // Says whether the scene is being read. A signal during that ends the process with APP_CANCELLED if
 // the scene has not been read a second later; no image is written then.

@@ -55,6 +55,8 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
     if (a->out) a->sum = calloc(pixels * (size_t)(count - 3), sizeof *a->sum);
     if (a->sum) a->square = calloc(pixels * 3, sizeof *a->square);
     if (!a->square) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the mean");
+    // A comparison with the mean then sees what is wrong with an image.
+    a->out->keep_nonfinite = true;
     a->out->x = first->x;
     a->out->y = first->y;
     a->out->full_width = first->full_width;
@@ -123,7 +125,9 @@ static void finish_average(const struct averaging *a) {
             a->out->channel[i][k] = (float)mean;
             if (i >= 3) continue;
             const double square = a->square[(size_t)i * pixels + k];
-            a->out->channel[3 + i][k] = (float)fmax((square / n - mean * mean) / (n - 1.0), 0.0);
+            const double variance = (square / n - mean * mean) / (n - 1.0);
+            // NaN stays NaN.
+            a->out->channel[3 + i][k] = variance < 0.0 ? 0.0f : (float)variance;
         }
     }
 }

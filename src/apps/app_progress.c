@@ -67,10 +67,8 @@ void app_catch_signals(void) {
         const bool ignored = sigaction(stop[i], NULL, &before) == 0 && before.sa_handler == SIG_IGN;
         if (stop[i] != SIGHUP || !ignored) sigaction(stop[i], &action, NULL);
     }
-    // A write to a closed pipe, or beyond a file size limit, then fails instead of ending the
-    // process.
+    // A write to a closed pipe then fails instead of ending the process.
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN);
 }
 
 void app_set_reading(bool scene_is_read) { atomic_store(&reading, scene_is_read); }

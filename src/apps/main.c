@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The `satin` command: passes the arguments to the subcommand that they name.
+#include <signal.h>
 #include <string.h>
 
 #include "apps/app.h"
@@ -44,6 +45,8 @@ static int finish_output(int result) {
 }
 
 int main(int argc, char **argv) {
+    // A write beyond a file size limit then fails instead of ending the process.
+    signal(SIGXFSZ, SIG_IGN);
     if (argc < 2) return app_wrong("no command; `satin help` lists them");
     if (strcmp(argv[1], "--version") == 0) {
         printf("satin %s\n", SATIN_VERSION);

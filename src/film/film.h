@@ -31,6 +31,7 @@ struct satin_film {
     struct film_attribute *attribute;
     char *stats;      // JSON or NULL
     bool full_float;  // whether files have 32-bit floats in all channels, whatever the format says
+    bool keep_nonfinite;  // whether files have values that are not finite as they are, not as 0
     struct film_camera camera;
 };
 

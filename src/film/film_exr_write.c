@@ -70,13 +70,13 @@ static exr_result_t keep_chunk(exr_encode_pipeline_t *pipe) {
     return EXR_ERR_SUCCESS;
 }
 
-// Copies `count` values to `out`, with 0 for those that are not finite. Returns the number of
-// these.
-static size_t copy_finite(const float *in, size_t count, float *out) {
+// Copies `count` values to `out`, with 0 for those that are not finite unless these are kept.
+// Returns the number of these.
+static size_t copy_values(const float *in, size_t count, bool keep_nonfinite, float *out) {
     size_t dropped = 0;
     for (size_t i = 0; i < count; i++) {
         bool finite = isfinite(in[i]);
-        out[i] = finite ? in[i] : 0.0f;
+        out[i] = finite || keep_nonfinite ? in[i] : 0.0f;
         dropped += !finite;
     }
     return dropped;
@@ -96,7 +96,8 @@ static exr_result_t encode_chunk(const struct writer *w, int index, struct exr_c
         exr_coding_channel_info_t *channel = &pipe.channels[c];
         float *plane = copy + (size_t)c * values;
         const float *from = satin_film_channel(w->film, channel->channel_name);
-        chunk->dropped += copy_finite(from + (size_t)y * (size_t)width, values, plane);
+        chunk->dropped +=
+            copy_values(from + (size_t)y * (size_t)width, values, w->film->keep_nonfinite, plane);
         channel->user_bytes_per_element = sizeof *plane;
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_pixel_stride = sizeof *plane;
@@ -283,7 +284,9 @@ satin_status film_write_exr_as(const struct satin_film *film, const char *path,
         }
     }
     if (status == SATIN_OK && dropped)
-        log_message(log, SATIN_LOG_WARNING, "%s: %zu values that are not finite were written as 0",
+        log_message(log, SATIN_LOG_WARNING,
+                    film->keep_nonfinite ? "%s: %zu values are not finite"
+                                         : "%s: %zu values that are not finite were written as 0",
                     path, dropped);
     free(w);
     return status;
