@@ -14,9 +14,8 @@
 #include "photon/photon_map.h"
 
 enum {
-    MAP_BOUNCED = 0,  // all photons that have bounced, or without the caustic ones if they have a
-                      // map of their own
-    MAP_CAUSTIC,      // photons that are aimed at specular surfaces
+    MAP_INDIRECT = 0,
+    MAP_CAUSTIC,  // aimed at specular surfaces
     PROGRESSIVE_MAPS
 };
 enum { OPEN_CHUNK = 256 };  // photons of a chunk
@@ -48,12 +47,11 @@ static satin_status trace_map(const struct photon_progressive *p, int kind, uint
                               struct parallel *pool, struct log log, struct stats *stats,
                               struct photon_map *out) {
     const bool caustic = kind == MAP_CAUSTIC;
-    const unsigned classes = 1u << PHOTON_INDIRECT | (p->emission ? 0u : 1u << PHOTON_CAUSTIC);
     const struct photon_tracing tracing = {
         .scene = p->scene,
         .seed = rng_mix(p->options->seed + 0x9e3779b97f4a7c15ull * pass),
         .consumer = {{.paths = caustic ? p->paths.caustic : p->paths.global,
-                      .classes = caustic ? 1u << PHOTON_CAUSTIC : classes,
+                      .classes = 1u << (caustic ? PHOTON_CAUSTIC : PHOTON_INDIRECT),
                       .allocation = caustic ? NULL : &p->allocation}},
         .bounces = photon_bounces_left(p->options, 1),
         .emission = caustic ? p->emission : NULL};
@@ -72,7 +70,7 @@ static satin_status trace_map(const struct photon_progressive *p, int kind, uint
 static satin_status trace_pass(const struct photon_progressive *p, uint64_t pass,
                                struct parallel *pool, struct log log, struct stats *stats,
                                struct photon_map map[PROGRESSIVE_MAPS]) {
-    satin_status status = trace_map(p, MAP_BOUNCED, pass, pool, log, stats, &map[MAP_BOUNCED]);
+    satin_status status = trace_map(p, MAP_INDIRECT, pass, pool, log, stats, &map[MAP_INDIRECT]);
     if (status != SATIN_OK || !p->emission) return status;
     return trace_map(p, MAP_CAUSTIC, pass, pool, log, stats, &map[MAP_CAUSTIC]);
 }

@@ -12,7 +12,7 @@
 #include "base/fileio.h"
 #include "base/text.h"
 
-enum { FILE_BYTES_MAX = 1 << 20, SEEDS_MAX = 1000, PIECES_MAX = 1000 };
+enum { FILE_BYTES_MAX = 1 << 20, SEEDS_MAX = 1000, PIECES_MAX = 1000, NAME_BYTES_MAX = 100 };
 // Independent images of a reference, unless the file has another number. Their variance estimates
 // that of their mean; with 8 of them its relative error is a half per pixel, and far less in the
 // sum over an image.
@@ -91,11 +91,13 @@ static bool is_any(const char *name, const char *const *list) {
 
 // Whether an option may be set where it stands.
 static bool is_allowed(struct study_reader *r, const struct toml_node *node, bool varies) {
-    static const char *const truth[] = {"width",  "height", "max-depth",  "hide-emitters",
-                                        "crop-x", "crop-y", "crop-width", "crop-height",
-                                        "layers", NULL};
+    static const char *const truth[] = {"width",         "height",      "max-depth",
+                                        "hide-emitters", "crop-x",      "crop-y",
+                                        "crop-width",    "crop-height", NULL};
     if (text_same_name(node->key, "seed"))
         return study_wrong(r, node, "the key 'seeds' of the study chooses the seeds");
+    if (text_same_name(node->key, "layers"))
+        return study_wrong(r, node, "a study compares the whole light, and needs its own layers");
     if (varies && is_any(node->key, truth))
         return study_wrong(r, node,
                            "it cannot vary, because it changes the true image and a scene has one "
@@ -164,6 +166,13 @@ static bool take_defines(struct study_reader *r, const struct toml_node *table,
     return true;
 }
 
+// Whether files can be called after a scene.
+static bool is_file_name(const char *name) {
+    for (const char *c = name; *c; c++)
+        if (*c == '/' || (unsigned char)*c < ' ') return false;
+    return *name && *name != '.' && strlen(name) <= NAME_BYTES_MAX;
+}
+
 static bool add_scene(struct study_reader *r, const struct toml_node *file, const char *name) {
     struct study *s = r->out;
     if (!study_is(r, file, TOML_TEXT, "the name of a scene's file")) return false;
@@ -171,6 +180,11 @@ static bool add_scene(struct study_reader *r, const struct toml_node *file, cons
     *scene = (struct study_scene){.path = path_beside(r, file), .at = file->at};
     if (!scene->path) return false;
     scene->name = name ? name : scene_name(r, scene->path);
+    if (!is_file_name(scene->name))
+        return study_wrong(r, file,
+                           "a scene's name has 1 to %d bytes, does not begin with a dot, and has "
+                           "no slash and no line end",
+                           NAME_BYTES_MAX);
     for (size_t i = 0; i < s->scenes; i++)
         if (strcmp(s->scene[i].name, scene->name) == 0)
             return study_wrong(r, file, "two scenes are called '%s'; give them names in [[scene]]",
@@ -274,7 +288,7 @@ static bool take_reference(struct study_reader *r, const struct toml_node *table
     if (pieces && !take_count(r, pieces, 2, PIECES_MAX, &count)) return false;
     if (count > s->reference_spp) count = s->reference_spp;
     s->reference_pieces = count;
-    return !set || study_take_options(r, set, false, &s->reference);
+    return !set || study_take_options(r, set, true, &s->reference);
 }
 
 // ---- The whole ----------------------------------------------------------------------------------

@@ -216,6 +216,7 @@ satin_status study_run(const struct study_request *request, struct log log) {
         status = list_renders(&r);
     } else if (status == SATIN_OK) {
         status = study_store_open(log, request->folder, &store);
+        if (status == SATIN_OK) status = study_store_check(&store, log, &plan);
         if (status == SATIN_OK) status = run_all(&r);
         study_store_close(&store);
     }

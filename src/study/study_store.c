@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "base/fileio.h"
+#include "base/fileio_files.h"
 #include "base/stats.h"
 #include "study/study_text.h"
 #include "study/study_work.h"
@@ -92,21 +93,45 @@ static void remove_unfinished(const struct study_store *store, const char *subfo
     free(path);
 }
 
+// Refuses a folder with files that are not of a study, as the study would replace or remove those
+// whose names it uses. A folder of a study has the file of its lock.
+static satin_status check_owner(const struct study_store *store, struct log log, const char *lock) {
+    if (access(lock, F_OK) == 0) return SATIN_OK;
+    DIR *list = opendir(store->folder);
+    const struct dirent *entry;
+    bool empty = true;
+    while (list && (entry = readdir(list)) != NULL)
+        empty = empty && (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, ".."));
+    if (list) closedir(list);
+    if (empty) return SATIN_OK;
+    return log_fail(log, SATIN_ERROR_INPUT,
+                    "%s: the folder has files that are not of a study; name a new one",
+                    store->folder);
+}
+
+// Locks the folder. After a failure it is not locked by this process.
+static satin_status lock_folder(struct study_store *store, struct log log) {
+    char *path = study_store_path(store, "study.lock");
+    if (!path) return SATIN_ERROR_MEMORY;
+    satin_status status = check_owner(store, log, path);
+    if (status == SATIN_OK) {
+        store->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+        if (store->lock < 0)
+            status = log_fail(log, SATIN_ERROR_INPUT, "%s: %s", path, strerror(errno));
+    }
+    free(path);
+    if (status != SATIN_OK || flock(store->lock, LOCK_EX | LOCK_NB) == 0) return status;
+    close(store->lock);
+    store->lock = -1;
+    return log_fail(log, SATIN_ERROR_INPUT, "%s: another process runs a study there",
+                    store->folder);
+}
+
 satin_status study_store_open(struct log log, const char *folder, struct study_store *out) {
     static const char *const subfolder[] = {"runs", "references", "work"};
     *out = (struct study_store){folder, -1};
     satin_status status = make_folder(log, folder);
-    char *lock = study_store_path(out, "study.lock");
-    if (status == SATIN_OK && !lock) status = SATIN_ERROR_MEMORY;
-    if (status == SATIN_OK) {
-        out->lock = open(lock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (out->lock < 0)
-            status = log_fail(log, SATIN_ERROR_INPUT, "%s: %s", lock, strerror(errno));
-        else if (flock(out->lock, LOCK_EX | LOCK_NB) != 0)
-            status =
-                log_fail(log, SATIN_ERROR_INPUT, "%s: another process runs a study there", folder);
-    }
-    free(lock);
+    if (status == SATIN_OK) status = lock_folder(out, log);
     for (size_t i = 0; i < sizeof subfolder / sizeof *subfolder && status == SATIN_OK; i++)
         status = make_subfolder(out, log, subfolder[i]);
     if (status != SATIN_OK) return status;
@@ -156,6 +181,14 @@ static double *stored_value(struct study_result *result, size_t i) {
     return (double *)((char *)result + stored[i].offset);
 }
 
+// Whether a file can be read as an image; not if it was damaged, as by a full disk.
+static bool is_image(const char *path) {
+    satin_film *film = NULL;
+    const bool read = satin_film_read(path, NULL, NULL, &film) == SATIN_OK;
+    satin_film_free(film);
+    return read;
+}
+
 void study_store_find(const struct study_store *store, struct study_render *render) {
     char *path = study_store_path(store, "runs/%016" PRIx64 ".json", render->key);
     char *image = study_store_path(store, "runs/%016" PRIx64 ".exr", render->key);
@@ -166,7 +199,7 @@ void study_store_find(const struct study_store *store, struct study_render *rend
     if (path && image && access(image, R_OK) == 0 && access(path, R_OK) == 0 &&
         fileio_read((struct log){0}, (struct log_place){0}, path, RESULT_BYTES_MAX, &text, &size) ==
             SATIN_OK &&
-        strchr(text, '}')) {
+        strchr(text, '}') && is_image(image)) {
         for (size_t i = 0; i < STORED; i++)
             *stored_value(result, i) = json_value(text, stored[i].name);
         for (int i = 0; i < STUDY_STAGES; i++) {
@@ -275,6 +308,37 @@ satin_status study_store_add(const struct study_store *store, struct log log,
     }
     free(text);
     free(path);
+    return status;
+}
+
+satin_status study_store_check(const struct study_store *store, struct log log,
+                               const struct study_plan *plan) {
+    static const char *const result[] = {"study.csv", "study.json", "study.html"};
+    enum { RESULTS = sizeof result / sizeof *result };
+    const struct study *s = &plan->study;
+    struct fileio_files files = {0};
+    bool memory = fileio_files_add(&files, s->root->at.file);
+    for (size_t i = 0; i < s->scenes; i++) {
+        memory = memory && fileio_files_add(&files, s->scene[i].path);
+        if (s->scene[i].reference)
+            memory = memory && fileio_files_add(&files, s->scene[i].reference);
+    }
+    satin_status status = memory ? SATIN_OK : SATIN_ERROR_MEMORY;
+    for (size_t i = 0; i < RESULTS + s->scenes && status == SATIN_OK; i++) {
+        char *path = i < RESULTS
+                         ? study_store_path(store, "%s", result[i])
+                         : study_store_path(store, "references/%s.exr", s->scene[i - RESULTS].name);
+        struct stat found;
+        if (!path)
+            status = SATIN_ERROR_MEMORY;
+        else if (fileio_files_have(&files, path))
+            status =
+                log_fail(log, SATIN_ERROR_INPUT, "%s: the result would replace an input", path);
+        else if (lstat(path, &found) == 0 && !S_ISREG(found.st_mode))
+            status = log_fail(log, SATIN_ERROR_INPUT, "%s: it is not a regular file", path);
+        free(path);
+    }
+    fileio_files_free(&files);
     return status;
 }
 

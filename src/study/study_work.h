@@ -29,8 +29,13 @@ struct study_store {
     int lock;  // a file that is locked, so that one process at a time uses the folder
 };
 
-// Makes the folder, locks it and empties DIR/work. SATIN_ERROR_INPUT, logged, if it cannot be used.
+// Makes the folder, locks it and empties DIR/work. SATIN_ERROR_INPUT, logged, if it cannot be used,
+// if it has files that are not of a study, or if another process has locked it.
 satin_status study_store_open(struct log log, const char *folder, struct study_store *out);
+// SATIN_ERROR_INPUT, logged, if a result of the study would replace a file that it reads, or what
+// is not a regular file.
+satin_status study_store_check(const struct study_store *store, struct log log,
+                               const struct study_plan *plan);
 void study_store_close(struct study_store *store);
 // A path in the folder by a format, from malloc; NULL if there is no memory.
 char *study_store_path(const struct study_store *store, const char *format, ...)
