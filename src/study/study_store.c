@@ -182,7 +182,7 @@ static double *stored_value(struct study_result *result, size_t i) {
 }
 
 // Whether a file can be read as an image; not if it was damaged, as by a full disk.
-static bool is_image(const char *path) {
+static bool is_whole_image(const char *path) {
     satin_film *film = NULL;
     const bool read = satin_film_read(path, NULL, NULL, &film) == SATIN_OK;
     satin_film_free(film);
@@ -199,7 +199,7 @@ void study_store_find(const struct study_store *store, struct study_render *rend
     if (path && image && access(image, R_OK) == 0 && access(path, R_OK) == 0 &&
         fileio_read((struct log){0}, (struct log_place){0}, path, RESULT_BYTES_MAX, &text, &size) ==
             SATIN_OK &&
-        strchr(text, '}') && is_image(image)) {
+        strchr(text, '}') && is_whole_image(image)) {
         for (size_t i = 0; i < STORED; i++)
             *stored_value(result, i) = json_value(text, stored[i].name);
         for (int i = 0; i < STUDY_STAGES; i++) {
