@@ -341,7 +341,7 @@ satin_status study_file_read(struct log log, const char *path, struct study *out
     r.status = fileio_read(log, (struct log_place){0}, path, FILE_BYTES_MAX, &text, &size);
     if (r.status == SATIN_OK) {
         out->hash = fileio_hash(FILEIO_HASH, text, size);
-        r.status = toml_parse(log, path, text, &out->root);
+        r.status = toml_parse(log, path, text, size, &out->root);
     }
     free(text);
     if (r.status == SATIN_OK) take_all(&r);

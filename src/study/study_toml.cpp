@@ -25,6 +25,8 @@ extern "C" {
 
 namespace {
 
+constexpr int DEPTH_MAX = 64;  // of nested brackets, and of dots in a key
+
 char *duplicate_text(std::string_view text) {
     char *copy = static_cast<char *>(std::malloc(text.size() + 1));
     if (!copy) throw std::bad_alloc();
@@ -120,14 +122,76 @@ satin_status fail_at_source(struct log log, const char *path, const toml::source
     return SATIN_ERROR_INPUT;
 }
 
+satin_status fail_at_byte(struct log log, const char *path, std::string_view text, size_t byte,
+                          const char *what) {
+    log_place at = {path, 1, 1};
+    for (const char c : text.substr(0, byte)) {
+        if (c == '\n') at.line++;
+        // The later bytes of a character in UTF-8 begin no column.
+        at.column = c == '\n' ? 1 : at.column + ((c & 0xc0) != 0x80);
+    }
+    log_error_at(log, at, "%s", what);
+    return SATIN_ERROR_INPUT;
+}
+
+// The end of the string that begins at byte i. One that is not closed ends with its line, or with
+// the text if it may have several lines.
+size_t string_end(std::string_view text, size_t i) {
+    const char quote = text[i];
+    const std::string_view three = quote == '"' ? "\"\"\"" : "'''";
+    const bool has_lines = text.substr(i, 3) == three;
+    for (i += has_lines ? 3 : 1; i < text.size(); i++) {
+        if (quote == '"' && text[i] == '\\') {
+            i++;
+        } else if (has_lines && text.substr(i, 3) == three) {
+            // Up to two quotes before the three that close it belong to it.
+            const size_t last = std::min(i + 5, text.size());
+            for (i += 3; i < last && text[i] == quote;) i++;
+            return i;
+        } else if (!has_lines && (text[i] == quote || text[i] == '\n')) {
+            return text[i] == quote ? i + 1 : i;
+        }
+    }
+    return text.size();
+}
+
+// toml++ descends recursively, and takes a byte of 0 for the end.
+satin_status check_text(struct log log, const char *path, std::string_view text) {
+    int dots = 0, depth = 0;
+    const size_t zero = text.find('\0');
+    if (zero != text.npos) return fail_at_byte(log, path, text, zero, "a byte is 0");
+    for (size_t i = 0; i < text.size();) {
+        const char c = text[i];
+        if (c == '"' || c == '\'') {
+            i = string_end(text, i);
+            continue;
+        }
+        if (c == '#') {
+            i = std::min(text.find('\n', i), text.size());
+            continue;
+        }
+        if (c == '[' || c == '{') depth++;
+        if ((c == ']' || c == '}') && depth > 0) depth--;
+        if (c == '.') dots++;
+        if (std::strchr("=,[]{}\n", c)) dots = 0;
+        if (dots > DEPTH_MAX)
+            return fail_at_byte(log, path, text, i, "a key has more than 64 dots");
+        if (depth > DEPTH_MAX)
+            return fail_at_byte(log, path, text, i, "brackets are nested deeper than 64");
+        i++;
+    }
+    return SATIN_OK;
+}
+
 }  // namespace
 
-extern "C" satin_status toml_parse(struct log log, const char *path, const char *text,
+extern "C" satin_status toml_parse(struct log log, const char *path, const char *text, size_t size,
                                    struct toml_node **root) {
     toml_node *made = nullptr;
-    satin_status status;
+    satin_status status = check_text(log, path, std::string_view(text, size));
+    if (status != SATIN_OK) return status;
     try {
-        const toml::table table = toml::parse(std::string_view(text));
+        const toml::table table = toml::parse(std::string_view(text, size));
         made = static_cast<toml_node *>(std::calloc(1, sizeof *made));
         if (!made) throw std::bad_alloc();
         convert_node(table, path, *made);

@@ -22,10 +22,10 @@ struct toml_node {
     size_t count;
 };
 
-// Parses text that ends with 0. SATIN_ERROR_INPUT, logged with the line, if it is not TOML;
-// SATIN_ERROR_MEMORY, logged. The caller frees *root with toml_free. `path` must stay valid as long
-// as the tree.
-satin_status toml_parse(struct log log, const char *path, const char *text,
+// Parses `size` bytes. SATIN_ERROR_INPUT, logged with the line, if they are not TOML, if a key has
+// more than 64 dots or if brackets are nested deeper than 64; SATIN_ERROR_MEMORY, logged. The
+// caller frees *root with toml_free. `path` must stay valid as long as the tree.
+satin_status toml_parse(struct log log, const char *path, const char *text, size_t size,
                         struct toml_node **root);
 void toml_free(struct toml_node *root);  // NULL is allowed
 
