@@ -75,6 +75,23 @@ satin_status photon_map_build(const struct satin_scene *scene, const struct phot
     return SATIN_OK;
 }
 
+satin_status photon_map_trace(const struct photon_tracing *tracing, struct parallel *pool,
+                              struct log log, struct stats *stats, struct photon_map *map,
+                              struct photon_trace trace[PHOTON_CONSUMERS]) {
+    const double start = stats_wall();
+    parallel_begin_part(pool, "trace");
+    satin_status status = photon_trace_run(tracing, pool, log, trace);
+    if (status != SATIN_OK) return status;
+    const double traced = stats_wall();
+    parallel_begin_part(pool, "sort");
+    status = photon_map_build(tracing->scene, trace->hit, trace->count, pool, log, map);
+    photon_trace_count(trace, stats);
+    stats_add(stats, "photons.trace_s", traced - start);
+    stats_add(stats, "photons.build_s", stats_wall() - traced);
+    photon_trace_free(trace);
+    return status;
+}
+
 void photon_map_free(struct photon_map *map) {
     photon_index_free(map->index);
     free(map->position);

@@ -109,6 +109,11 @@ static inline float photon_map_far2(const struct photon_map *map) {
 satin_status photon_map_build(const struct satin_scene *scene, const struct photon_hit *hit,
                               size_t count, struct parallel *pool, struct log log,
                               struct photon_map *out);
+// Traces the photons of all consumers, builds the map from those of the first one, frees these, and
+// adds to the statistics photons.*. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_map_trace(const struct photon_tracing *tracing, struct parallel *pool,
+                              struct log log, struct stats *stats, struct photon_map *map,
+                              struct photon_trace trace[PHOTON_CONSUMERS]);
 void photon_map_free(struct photon_map *map);
 // Sets map->radius2 (photon_radii.c). SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status photon_map_find_radii(struct photon_map *map, int k, struct parallel *pool);

@@ -39,24 +39,6 @@ static const float LOOKUP_FRACTION = 0.25f;
 // Caustics count as faint below this fraction of the mean irradiance.
 static const float MAP_FAINT = 0.01f;
 
-// Traces the consumers' photons and builds the map from those of the first consumer.
-static satin_status trace_into(const struct photon_pass *pass, const struct photon_tracing *tracing,
-                               struct photon_map *map,
-                               struct photon_trace trace[PHOTON_CONSUMERS]) {
-    double start = stats_wall();
-    parallel_begin_part(pass->pool, "trace");
-    satin_status status = photon_trace_run(tracing, pass->pool, pass->log, trace);
-    if (status != SATIN_OK) return status;
-    double traced = stats_wall();
-    parallel_begin_part(pass->pool, "sort");
-    status = photon_map_build(pass->scene, trace->hit, trace->count, pass->pool, pass->log, map);
-    photon_trace_count(trace, pass->stats);
-    stats_add(pass->stats, "photons.trace_s", traced - start);
-    stats_add(pass->stats, "photons.build_s", stats_wall() - traced);
-    photon_trace_free(trace);
-    return status;
-}
-
 static satin_status precompute_map(const struct photon_pass *pass,
                                    const struct photon_precompute *what,
                                    struct photon_irradiance *out) {
@@ -115,7 +97,8 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
         // The eye sees the surface directly, or through a gather ray.
         .bounces = photon_bounces_left(o, seen ? 1 : 2)};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
-    satin_status status = trace_into(pass, &tracing, &maps->global, trace);
+    satin_status status =
+        photon_map_trace(&tracing, pass->pool, pass->log, pass->stats, &maps->global, trace);
     const double start = stats_wall();
     parallel_begin_part(pass->pool, "clusters");
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
@@ -195,7 +178,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
         .bounces = photon_bounces_left(o, 1),
         .emission = emission};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
-    status = trace_into(pass, &tracing, &maps->caustic, trace);
+    status = photon_map_trace(&tracing, pass->pool, pass->log, pass->stats, &maps->caustic, trace);
     guide_emission_free(emission);
     if (status != SATIN_OK) return status;
     if (maps->caustic.count > 0)

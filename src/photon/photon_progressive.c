@@ -56,14 +56,7 @@ static satin_status trace_map(const struct photon_progressive *p, int kind, uint
         .bounces = photon_bounces_left(p->options, 1),
         .emission = caustic ? p->emission : NULL};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
-    parallel_begin_part(pool, "trace");
-    satin_status status = photon_trace_run(&tracing, pool, log, trace);
-    if (status != SATIN_OK) return status;
-    photon_trace_count(&trace[0], stats);
-    parallel_begin_part(pool, "sort");
-    status = photon_map_build(p->scene, trace[0].hit, trace[0].count, pool, log, out);
-    photon_trace_free(&trace[0]);
-    return status;
+    return photon_map_trace(&tracing, pool, log, stats, out, trace);
 }
 
 // Traces the photons of a pass for all maps.
