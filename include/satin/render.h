@@ -33,6 +33,19 @@ typedef struct satin_progress {
 // cancels the render. It must not free the scene of the render.
 typedef bool (*satin_progress_fn)(void *user, const satin_progress *progress);
 
+// Shows the image while it is sampled. `film` is what the image would be if it ended now: each
+// pixel has the mean of the samples that it has so far, whatever their number, and a pixel without
+// a sample the values of a neighbour. Its channels are those of the finished image, or the beauty
+// alone (satin_callbacks.snapshot_beauty); it is not denoised, and has no statistics. It is owned
+// by the render, and is valid and does not change until the next call of this function or until
+// satin_render returns.
+//
+// Called on the thread that called satin_render, during the stage `image`, from when a coarse grid
+// of pixels has its first samples, about once a second: less often if the calls, with what the
+// caller does in them, would take more than a fiftieth of the time of all threads or a tenth of
+// that of this one. It does not affect the finished image, unless options->time cuts it short.
+typedef void (*satin_snapshot_fn)(void *user, const satin_film *film);
+
 // Functions that a render calls, and the files of its records. The struct and its texts are owned
 // by the caller and must be valid until satin_render returns.
 typedef struct satin_callbacks {
@@ -46,6 +59,10 @@ typedef struct satin_callbacks {
     // error is returned if save_cache is a file from which the scene was read. save_cache may be
     // load_cache, which is replaced when all records are complete.
     const char *load_cache, *save_cache;
+    satin_snapshot_fn snapshot;  // NULL: none, which costs nothing
+    void *snapshot_user;
+    bool
+        snapshot_beauty;  // snapshots have the channels R, G and B, and A if the film has it, alone
 } satin_callbacks;
 
 // Renders. `callbacks` may be NULL. The caller sets *film to NULL before the call, as it is set

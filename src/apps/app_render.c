@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "apps/app.h"
+#include "apps/app_live.h"
 #include "apps/app_render.h"
 #include "base/fileio.h"
 #include "base/stats.h"
@@ -22,6 +22,8 @@ static int check_format(const struct app_render_request *r) {
         return app_wrong("%s: an image is written as .exr or .png, by the end of its name",
                          r->output);
     if (r->png && !app_ends_in(r->png, ".png")) return app_wrong("%s: --png writes a .png", r->png);
+    if (r->preview && !app_ends_in(r->preview, ".png"))
+        return app_wrong("%s: --preview writes a .png", r->preview);
     return APP_DONE;
 }
 
@@ -35,7 +37,7 @@ static char *png_name(const char *output) {
 }
 
 // All outputs; the path of an output that was not asked for is NULL.
-enum { OUTPUTS = 4 };
+enum { OUTPUTS = 5 };
 static void list_outputs(const struct app_render_request *r, struct app_output output[OUTPUTS]) {
     const bool png = app_ends_in(r->output, ".png");
     output[0] = (struct app_output){r->output, png ? FILEIO_APPEND : FILEIO_SEEK, NULL};
@@ -44,6 +46,8 @@ static void list_outputs(const struct app_render_request *r, struct app_output o
     // A cache is read whole before anything is written, so it may be saved to the file it came
     // from.
     output[3] = (struct app_output){r->save, FILEIO_APPEND, r->load};
+    // It is renamed again and again.
+    output[4] = (struct app_output){r->preview, FILEIO_SEEK, NULL};
 }
 
 static int check_outputs(struct app_render_request *r) {
@@ -104,6 +108,26 @@ static void print_summary(const struct app_render_request *r, const satin_film *
     if (r->png) fprintf(stderr, "%s\n", r->png);
 }
 
+// Renders, and shows the image meanwhile if that was asked for.
+static satin_status render_live(const struct app_render_request *r, const satin_scene *scene,
+                                const satin_options *options, struct app_live *live,
+                                satin_film **film) {
+    const bool shown = r->preview || r->display.wanted;
+    const satin_callbacks callbacks = {.log = app_log,
+                                       .log_user = live->progress,
+                                       .progress = app_live_progress,
+                                       .progress_user = live,
+                                       .load_cache = r->load,
+                                       .save_cache = r->save,
+                                       .snapshot = shown ? app_live_snapshot : NULL,
+                                       .snapshot_user = live,
+                                       .snapshot_beauty = !r->display.wanted};
+    app_display_open(&live->display, r->output, live->progress);
+    const satin_status status = satin_render(scene, options, &callbacks, film);
+    app_progress_end(live->progress);
+    return status;
+}
+
 static satin_status render_scene(const struct app_render_request *r, const satin_scene *scene,
                                  struct app_progress *progress, double start) {
     struct log file_log = {app_log_file, progress};
@@ -115,16 +139,16 @@ static satin_status render_scene(const struct app_render_request *r, const satin
     // The time limit includes the time for reading the scene.
     if (options.time > 0.0)
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
-    satin_callbacks callbacks = {app_log,  progress, app_progress_update,
-                                 progress, r->load,  r->save};
+    struct app_live live = {r->preview, &r->tonemap, r->display, progress, false};
     satin_film *film = NULL;
-    status = satin_render(scene, &options, &callbacks, &film);
-    app_progress_end(progress);
+    status = render_live(r, scene, &options, &live, &film);
     if (film) {
         satin_status written = write_outputs(r, film, options.threads, start, file_log);
         if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
         if (written != SATIN_OK) status = written;
     }
+    // Last, as it may wait for the viewer.
+    app_live_finish(&live, film);
     satin_film_free(film);
     return status;
 }

@@ -6,12 +6,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "apps/app_display.h"
 #include "satin/render.h"
 
 // The texts are those of the arguments, except for png_beside.
 struct app_render_request {
-    const char *scene, *output, *png, *stats, *load, *save, *sensor;
+    const char *scene, *output, *png, *preview, *stats, *load, *save, *sensor;
     bool want_png, quiet, help;
+    struct app_display display;
     satin_tonemap tonemap;
     satin_exr_format format;
     unsigned scene_flags;

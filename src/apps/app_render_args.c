@@ -9,12 +9,14 @@
 enum {
     FLAG_OUTPUT,
     FLAG_PNG,
+    FLAG_PREVIEW,
     FLAG_STATS,
     FLAG_LOAD,
     FLAG_SAVE,
     FLAG_DEFINE,
     FLAG_SET,
     FLAG_SENSOR,
+    FLAG_DISPLAY,
     FLAG_CROP,
     FLAG_EXPOSURE,
     FLAG_TONEMAP,
@@ -32,6 +34,8 @@ const struct app_flag app_render_flags[] = {
     {"--output", "-o", "OUT.exr",
      "The image, an OpenEXR file with all layers; or OUT.png, the beauty alone."},
     {"--png", NULL, "[FILE.png]", "The beauty as a PNG too, beside the image if no name is given."},
+    {"--preview", NULL, "FILE.png",
+     "The beauty so far, written again about every second while the image is rendered."},
     {"--stats", NULL, "FILE.json", "Statistics as JSON; - for standard output."},
     {"--load-cache", NULL, "FILE",
      "Begins with the cache records of a render of the same scene, with any sensor."},
@@ -41,6 +45,8 @@ const struct app_flag app_render_flags[] = {
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--sensor", NULL, "INDEX|ID",
      "Renders the view of this sensor of the scene, by its id or counted from 0."},
+    {"--display", NULL, "tev[:HOST[:PORT]]",
+     "Shows the image and its layers in the viewer tev while they are rendered."},
     {"--crop", NULL, "X,Y,W,H",
      "Renders W x H pixels of the film, from column X and row Y on, instead of the scene's crop."},
     {"--exposure", NULL, "STOPS|auto", APP_EXPOSURE_DOC},
@@ -88,6 +94,8 @@ static const char **text_of(struct app_render_request *r, int flag) {
     switch (flag) {
         case FLAG_OUTPUT:
             return &r->output;
+        case FLAG_PREVIEW:
+            return &r->preview;
         case FLAG_STATS:
             return &r->stats;
         case FLAG_LOAD:
@@ -144,6 +152,8 @@ static int take_flag(struct app_render_request *r, int flag, char *value) {
             return take_compression(r, value);
         case FLAG_CROP:
             return take_crop(r, value);
+        case FLAG_DISPLAY:
+            return app_display_read(value, &r->display);
         case FLAG_EXPOSURE:
             return app_take_exposure(value, &r->tonemap);
         case FLAG_TONEMAP:

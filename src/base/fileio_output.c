@@ -184,7 +184,7 @@ static const char *replaceable(const char *target) {
 
 static const char *commit(struct fileio_output *out) {
     if (out->error) return strerror(out->error);
-    if (out->temporary && fsync(out->fd) != 0) return strerror(errno);
+    if (out->temporary && !out->unflushed && fsync(out->fd) != 0) return strerror(errno);
     const int fd = out->fd;
     out->fd = -1;
     // Some file systems report only here that a write has failed.

@@ -12,13 +12,16 @@
 
 #include "base/log.h"
 
-// An output that is being written; all fields but `temporary` are private.
+// An output that is being written; all fields but `temporary` and `unflushed` are private.
 struct fileio_output {
     const char *path;  // the caller's name of it, not owned
     char *target;      // the name that its symbolic links lead to
     char *temporary;   // the new name, or NULL if the target is written to directly
     int fd;
     int error;  // errno of the first write that failed, or 0
+    // May be set once the output is open: the file is renamed before it is on the disk. Its readers
+    // do not notice, but a failure of the whole machine may leave it empty.
+    bool unflushed;
 };
 
 // The path to which the symbolic links of `path` lead, which need not exist. From malloc, the

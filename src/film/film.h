@@ -77,6 +77,10 @@ double film_auto_exposure(const struct satin_film *film, const float *const ligh
 // logged error.
 unsigned char *film_picture(const struct satin_film *film, const char *name,
                             const satin_tonemap *tonemap, struct log log, satin_status *status);
+// Writes what satin_film_write_png writes, but quickly: with less compression and without waiting
+// for the disk. A reader of `path`, a regular file, always finds a whole picture.
+satin_status film_write_preview(const struct satin_film *film, const char *path,
+                                const satin_tonemap *tonemap, struct log log);
 // Writes a PNG of 8-bit sRGB pixels; `path` appears whole or not at all.
 satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
                                struct log log);

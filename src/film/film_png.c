@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/fileio.h"
+#include "base/fileio_output.h"
 #include "film/film.h"
 
 // IEC 61966-2-1.
@@ -17,24 +18,29 @@ unsigned char film_encode_srgb(float linear) {
     return (unsigned char)(255.0f * v + 0.5f);
 }
 
-satin_status film_encode_pixels(const char *name, int width, int height, int channels,
-                                const unsigned char *pixel, struct log log, void **data,
-                                size_t *size) {
-    png_image image = {.version = PNG_IMAGE_VERSION,
-                       .width = (png_uint_32)width,
-                       .height = (png_uint_32)height,
-                       .format = channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB};
+static satin_status encode(const char *name, png_image *image, const unsigned char *pixel,
+                           struct log log, void **data, size_t *size) {
+    image->version = PNG_IMAGE_VERSION;
     // The bound of libpng's own macro for incompressible data, so one encoding is enough.
-    png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
+    png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(*image);
     void *file = malloc(bytes);
     if (!file) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", name);
-    if (png_image_write_to_memory(&image, file, &bytes, 0, pixel, 0, NULL)) {
+    if (png_image_write_to_memory(image, file, &bytes, 0, pixel, 0, NULL)) {
         *data = file;
         *size = bytes;
         return SATIN_OK;
     }
     free(file);
-    return log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", name, image.message);
+    return log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", name, image->message);
+}
+
+satin_status film_encode_pixels(const char *name, int width, int height, int channels,
+                                const unsigned char *pixel, struct log log, void **data,
+                                size_t *size) {
+    png_image image = {.width = (png_uint_32)width,
+                       .height = (png_uint_32)height,
+                       .format = channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB};
+    return encode(name, &image, pixel, log, data, size);
 }
 
 satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
@@ -131,5 +137,29 @@ satin_status satin_film_write_png(const satin_film *film, const char *path,
     unsigned char *pixel = film_picture(film, path, tonemap, log, &status);
     if (pixel) status = film_write_pixels(path, film->width, film->height, pixel, log);
     free(pixel);
+    return status;
+}
+
+satin_status film_write_preview(const struct satin_film *film, const char *path,
+                                const satin_tonemap *tonemap, struct log log) {
+    // On noisy images, libpng's fast settings take .6 of the time for 1.2 to 1.4 of the bytes.
+    png_image image = {.width = (png_uint_32)film->width,
+                       .height = (png_uint_32)film->height,
+                       .format = PNG_FORMAT_RGB,
+                       .flags = PNG_IMAGE_FLAG_FAST};
+    struct fileio_output out;
+    void *file = NULL;
+    size_t bytes = 0;
+    satin_status status;
+    unsigned char *pixel = film_picture(film, path, tonemap, log, &status);
+    if (pixel) status = encode(path, &image, pixel, log, &file, &bytes);
+    free(pixel);
+    if (status == SATIN_OK) status = fileio_output_open(log, path, FILEIO_SEEK, &out);
+    if (status == SATIN_OK) {
+        out.unflushed = true;
+        fileio_output_append(&out, file, bytes);
+        status = fileio_output_commit(log, &out);
+    }
+    free(file);
     return status;
 }

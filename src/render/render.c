@@ -26,6 +26,7 @@ static struct render *render_new(const satin_callbacks *callbacks) {
 
 static void render_free(struct render *r) {
     if (!r) return;
+    render_snapshot_free(r->snapshot);
     render_image_free(r->image);
     shade_destroy(&r->second_pass.shade);
     fill_free(r->second_pass.fill);

@@ -406,6 +406,17 @@ int render_budget_first_stride(int width, int height) {
     return stride;
 }
 
+// A viewer's eye is content with a picture a second.
+static const double SNAPSHOT_SECONDS = 1.0;
+// The largest fraction of the time of all threads that snapshots take, and of that of their own,
+// which holds its tile for so long.
+static const double SNAPSHOT_OF_ALL = 0.02, SNAPSHOT_OF_THREAD = 0.1;
+
+double render_budget_snapshot(double seconds, int threads) {
+    const double all = seconds / (SNAPSHOT_OF_ALL * (double)threads);
+    return fmax(SNAPSHOT_SECONDS, fmax(all, seconds / SNAPSHOT_OF_THREAD));
+}
+
 uint32_t render_budget_equal_samples(const satin_options *o) {
     const uint32_t spp = (uint32_t)o->spp;
     if (!o->adaptive_sampling || gather_traces_paths(o)) return spp;

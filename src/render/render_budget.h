@@ -31,6 +31,9 @@ double render_elapsed(const struct render *r);
 // The seconds that remain of options.time.
 double render_time_left(const struct render *r);
 
+// The seconds from the end of a snapshot that took so long until the next one.
+double render_budget_snapshot(double seconds, int threads);
+
 // The pilot (render_image_pilot.c): the largest number of its pixels along a side of the image, and
 // of the samples of each. This number of pixels shows V within 5 % and q within .2 % from seed to
 // seed (cornell-glossy and indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04

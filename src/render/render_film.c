@@ -24,20 +24,6 @@ enum {
     ANY = BY_TWO_PASS | BY_PATH | BY_DIRECT | BY_PHOTONS | BY_SPPM
 };
 
-enum {
-    CHANNEL_LAYERS = 3,
-    CHANNEL_DEPTH = CHANNEL_LAYERS + 3 * SHADE_LAYERS,
-    CHANNEL_ALPHA,  // if the scene's film asks for it
-    CHANNEL_DENSITY,
-    CHANNEL_SAMPLES,
-    CHANNEL_MAPS,                      // four channels of records, with option record-maps
-    CHANNEL_NOISY = CHANNEL_MAPS + 4,  // with option denoise
-    CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
-    CHANNEL_VARIANCE = CHANNEL_UNCACHED + 3,
-    FILM_CHANNELS = CHANNEL_VARIANCE + 3,
-    NAMES_MAX = FILM_CHANNELS + AOV_CHANNELS_MAX  // of an image
-};
-
 static const struct {
     const char *name;
     unsigned by;
@@ -85,16 +71,12 @@ static const struct {
     {"variance.B", BY_PATH},
 };
 
-// The planes of the channels; NULL: the film does not have the channel.
-struct planes {
-    float *of[FILM_CHANNELS];
-};
-
-static void put(const struct planes *planes, int channel, size_t at, float value) {
+static void put(const struct film_planes *planes, int channel, size_t at, float value) {
     if (planes->of[channel]) planes->of[channel][at] = value;
 }
 
-static void put_rgb(const struct planes *planes, int channel, size_t at, rgb value, float scale) {
+static void put_rgb(const struct film_planes *planes, int channel, size_t at, rgb value,
+                    float scale) {
     put(planes, channel, at, value.r * scale);
     put(planes, channel + 1, at, value.g * scale);
     put(planes, channel + 2, at, value.b * scale);
@@ -124,7 +106,7 @@ static rgb mean_emission(const struct image_pixel *pixel) {
     return rgb_scale(sum, 1.0f / weight);
 }
 
-static void put_pixel(const struct planes *planes, size_t at, const struct image_pixel *pixel,
+static void put_pixel(const struct film_planes *planes, size_t at, const struct image_pixel *pixel,
                       const struct render_image *image) {
     const float scale = render_image_scale(pixel);
     const rgb *seen = &pixel->layer[SHADE_EMISSION], emission = mean_emission(pixel);
@@ -134,7 +116,8 @@ static void put_pixel(const struct planes *planes, size_t at, const struct image
         shown = rgb_add(beauty, rgb_sub(image->noisy.denoised[at], image->noisy.light[at]));
     put_rgb(planes, 0, at, shown, 1.0f);
     put_rgb(planes, CHANNEL_NOISY, at, beauty, 1.0f);
-    if (image->noisy.light) put_rgb(planes, CHANNEL_UNCACHED, at, image->noisy.light[at], 1.0f);
+    if (image->uncached)
+        put_rgb(planes, CHANNEL_UNCACHED, at, image->uncached[pixel - image->pixel], scale);
     for (int k = 0; k < SHADE_LAYERS; k++)
         put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
     put_rgb(planes, CHANNEL_LAYERS + 3 * SHADE_EMISSION, at, emission, 1.0f);
@@ -146,7 +129,7 @@ static void put_pixel(const struct planes *planes, size_t at, const struct image
 }
 
 // Sets the channels that describe the pixel's records, as means by weight.
-static void put_maps(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
+static void put_maps(const struct film_planes *planes, size_t at, const struct image_pixel *pixel) {
     const struct cache_used *used = &pixel->used;
     const float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
     const float mean = used->weight > 0.0f ? 1.0f / used->weight : 0.0f;
@@ -157,8 +140,8 @@ static void put_maps(const struct planes *planes, size_t at, const struct image_
 }
 
 // Sets the variance of the pixel's mean, by the differences of its complete blocks.
-static void put_variance(const struct render_image *image, const struct planes *planes, size_t at,
-                         const struct image_pixel *pixel) {
+static void put_variance(const struct render_image *image, const struct film_planes *planes,
+                         size_t at, const struct image_pixel *pixel) {
     const struct image_blocks *blocks = &image->blocks[pixel - image->pixel];
     const double m = (double)image->block, n = (double)(pixel->samples / image->block);
     if (n < 2.0) return;
@@ -173,14 +156,15 @@ static void put_variance(const struct render_image *image, const struct planes *
 }
 
 // Sets the channels of the scene's AOVs.
-static void put_aovs(const struct render_image *image, float *const *plane, size_t at,
+static void put_aovs(const struct render_image *image, const struct film_planes *planes, size_t at,
                      const struct image_pixel *pixel) {
     const struct scene_aovs *aovs = image->aovs;
     const float scale = render_image_scale(pixel);
     const float *sum = image->aov + (size_t)(pixel - image->pixel) * image->sums;
     for (int i = 0; i < aovs->count; i++) {
         const struct scene_aov *channel = &aovs->channel[i];
-        plane[i][at] = sum[channel->value + (channel->squared ? aovs->values : 0)] * scale;
+        if (!planes->aov[i]) continue;
+        planes->aov[i][at] = sum[channel->value + (channel->squared ? aovs->values : 0)] * scale;
     }
 }
 
@@ -289,11 +273,30 @@ struct satin_film *render_film_new(const struct satin_scene *scene, const satin_
 // The least number of rows that are converted at a time.
 enum { FILM_BAND = 64 };
 
+struct film_planes render_film_planes(const struct render_image *image, struct satin_film *film) {
+    struct film_planes planes;
+    for (int i = 0; i < FILM_CHANNELS; i++)
+        planes.of[i] =
+            is_aov(image->aovs, channels[i].name) ? NULL : film_channel(film, channels[i].name);
+    for (int i = 0; i < image->aovs->count; i++)
+        planes.aov[i] = film_channel(film, image->aovs->channel[i].name);
+    return planes;
+}
+
+void render_film_put(const struct render_image *image, const struct film_planes *planes, size_t at,
+                     const struct image_pixel *source) {
+    put(planes, CHANNEL_SAMPLES, at, (float)image->pixel[at].samples);
+    if (!source) return;
+    put_pixel(planes, at, source, image);
+    put_maps(planes, at, source);
+    if (image->blocks) put_variance(image, planes, at, source);
+    if (image->aov) put_aovs(image, planes, at, source);
+}
+
 struct filming {
     const struct render_image *image;
     int first;  // row of the band
-    struct planes planes;
-    float *aov[AOV_CHANNELS_MAX];
+    struct film_planes planes;
     atomic_uint_fast64_t samples, dropped, filled;
 };
 
@@ -312,12 +315,7 @@ static void fill_rows_of_film(void *ctx, size_t begin, size_t end, int worker) {
         samples += pixel->samples;
         dropped += pixel->dropped;
         filled += source != pixel;
-        put(&f->planes, CHANNEL_SAMPLES, at, (float)pixel->samples);
-        if (!source) continue;
-        put_pixel(&f->planes, at, source, image);
-        put_maps(&f->planes, at, source);
-        if (image->blocks) put_variance(image, &f->planes, at, source);
-        if (image->aov) put_aovs(image, f->aov, at, source);
+        render_film_put(image, &f->planes, at, source);
     }
     atomic_fetch_add(&f->samples, samples);
     atomic_fetch_add(&f->dropped, dropped);
@@ -330,10 +328,7 @@ void render_image_film(struct render *r, bool *any) {
     atomic_init(&f.samples, 0);
     atomic_init(&f.dropped, 0);
     atomic_init(&f.filled, 0);
-    for (int i = 0; i < FILM_CHANNELS; i++)
-        f.planes.of[i] = film_channel(image->film, channels[i].name);
-    for (int i = 0; i < image->aovs->count; i++)
-        f.aov[i] = film_channel(image->film, image->aovs->channel[i].name);
+    f.planes = render_film_planes(image, image->film);
     // The film grows by as much as the sums of the pixels shrink, so that both are never in memory
     // at the same time. A row reads pixels of its own band alone (render_image_source).
     adaptive_destroy(&r->image->adapt);

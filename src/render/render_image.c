@@ -10,10 +10,7 @@
 
 #include "base/array.h"
 
-enum {
-    TILE = 16,
-    ASK_SAMPLES = 32  // samples after which a worker checks for cancellation
-};
+enum { ASK_SAMPLES = 32 };  // samples after which a worker checks for cancellation
 
 struct image_pass {
     struct render *r;
@@ -53,6 +50,7 @@ void render_image_free(struct render_image *image) {
     if (!image) return;
     adaptive_destroy(&image->adapt);
     satin_film_free(image->film);
+    free(image->tile_user);
     free(image->planes);
     free(image->uncached);
     free(image->aov);
@@ -105,39 +103,47 @@ static void add_aovs(const struct render_image *image, size_t at, const struct s
         sum[values + i] += s->weight * (s->aov[i] * s->aov[i]);
 }
 
+// Takes the samples of a pixel up to its target. False if that was stopped early. *asked counts
+// samples.
+static bool sample_pixel(const struct image_pass *pass, int x, int y, int worker, unsigned *asked) {
+    struct render_image *image = pass->r->image;
+    const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+    struct adaptive_pixel *adapt = &image->adapt.pixel[at];
+    shade_pixel_begin(&pass->worker[worker]);
+    while (adapt->count < adapt->target) {
+        struct shade_sample sample;
+        const struct gather_light_samples light_samples = {(int)adapt->light_samples,
+                                                           adapt->light_samples_taken};
+        shade_pixel(&pass->r->second_pass.shade, &pass->worker[worker], x, y, adapt->count,
+                    light_samples, &sample);
+        if (parallel_stopped(pass->r->pool)) return false;  // it may be incomplete
+        bool finite = add_sample(&image->pixel[at], &sample);
+        if (finite && image->aov) add_aovs(image, at, &sample);
+        if (finite && image->blocks) add_to_block(image, at, sample.beauty);
+        if (finite && image->uncached)
+            image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);
+        adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
+                     finite ? sample.light_variance : 0.0f);
+        // A late pass takes thousands of samples of every pixel.
+        if (++*asked % ASK_SAMPLES == 0 && parallel_cancelled(pass->r->pool, worker)) return false;
+    }
+    return true;
+}
+
 static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
     struct image_pass *pass = ctx;
     struct render_image *image = pass->r->image;
-    unsigned samples = 0;
-    for (size_t tile = begin; tile < end; tile++) {
-        int x0 = (int)(tile % (size_t)pass->columns) * TILE;
-        int y0 = (int)(tile / (size_t)pass->columns) * TILE;
+    unsigned asked = 0;
+    bool whole = true;
+    for (size_t tile = begin; tile < end && whole; tile++) {
+        const int x0 = (int)(tile % (size_t)pass->columns) * IMAGE_TILE;
+        const int y0 = (int)(tile / (size_t)pass->columns) * IMAGE_TILE;
+        render_tile_begin(image, tile, worker);
         shade_tile_begin(&pass->worker[worker]);
-        for (int y = y0; y < y0 + TILE && y < image->height; y++)
-            for (int x = x0; x < x0 + TILE && x < image->width; x++) {
-                size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-                struct adaptive_pixel *adapt = &image->adapt.pixel[at];
-                shade_pixel_begin(&pass->worker[worker]);
-                while (adapt->count < adapt->target) {
-                    struct shade_sample sample;
-                    const struct gather_light_samples light_samples = {(int)adapt->light_samples,
-                                                                       adapt->light_samples_taken};
-                    shade_pixel(&pass->r->second_pass.shade, &pass->worker[worker], x, y,
-                                adapt->count, light_samples, &sample);
-                    if (parallel_stopped(pass->r->pool)) return;  // it may be incomplete
-                    bool finite = add_sample(&image->pixel[at], &sample);
-                    if (finite && image->aov) add_aovs(image, at, &sample);
-                    if (finite && image->blocks) add_to_block(image, at, sample.beauty);
-                    if (finite && image->uncached)
-                        image->uncached[at] =
-                            rgb_mad(image->uncached[at], sample.uncached, sample.weight);
-                    adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
-                                 finite ? sample.light_variance : 0.0f);
-                    // A late pass takes thousands of samples of every pixel.
-                    if (++samples % ASK_SAMPLES == 0 && parallel_cancelled(pass->r->pool, worker))
-                        return;
-                }
-            }
+        for (int y = y0; y < y0 + IMAGE_TILE && y < image->height && whole; y++)
+            for (int x = x0; x < x0 + IMAGE_TILE && x < image->width && whole; x++)
+                whole = sample_pixel(pass, x, y, worker, &asked);
+        render_tile_end(image, tile);
     }
 }
 
@@ -194,10 +200,14 @@ static void plan_samples(struct image_pass *pass, int workers) {
 }
 
 static bool run_pass(struct image_pass *pass) {
-    const struct render_image *image = pass->r->image;
+    struct render_image *image = pass->r->image;
     parallel_begin_part(pass->r->pool, "image");
-    size_t rows = (size_t)((image->height + TILE - 1) / TILE);
-    return parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
+    size_t rows = (size_t)((image->height + IMAGE_TILE - 1) / IMAGE_TILE);
+    image->in_pass = true;
+    const bool whole =
+        parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
+    image->in_pass = false;
+    return whole;
 }
 
 // Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
@@ -234,8 +244,9 @@ satin_status render_shading(struct render *r, const struct cache *cache) {
 satin_status render_image_fill(struct render *r) {
     struct render_image *image = r->image;
     const int workers = parallel_threads(r->pool);
-    struct image_pass pass = {.r = r, .columns = (image->width + TILE - 1) / TILE};
+    struct image_pass pass = {.r = r, .columns = (image->width + IMAGE_TILE - 1) / IMAGE_TILE};
     image->adapt.pool = r->pool;
+    if (!render_snapshot_memory(r, image)) return SATIN_ERROR_MEMORY;
     pass.worker = array_new((size_t)workers, sizeof *pass.worker);
     if (!pass.worker) return SATIN_ERROR_MEMORY;
     for (int i = 0; i < workers; i++) pass.worker[i].gather = r->second_pass.shade.worker[i];

@@ -27,6 +27,28 @@ struct image_blocks {
 // The least number of blocks of a pixel.
 enum { IMAGE_BLOCKS = 4 };
 
+// The channels of films, in the order of the table in render_film.c.
+enum {
+    CHANNEL_LAYERS = 3,
+    CHANNEL_DEPTH = CHANNEL_LAYERS + 3 * SHADE_LAYERS,
+    CHANNEL_ALPHA,  // if the scene's film asks for it
+    CHANNEL_DENSITY,
+    CHANNEL_SAMPLES,
+    CHANNEL_MAPS,                      // four channels of records, with option record-maps
+    CHANNEL_NOISY = CHANNEL_MAPS + 4,  // with option denoise
+    CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
+    CHANNEL_VARIANCE = CHANNEL_UNCACHED + 3,
+    FILM_CHANNELS = CHANNEL_VARIANCE + 3,
+    NAMES_MAX = FILM_CHANNELS + AOV_CHANNELS_MAX  // of an image
+};
+
+// The planes of a film's channels, and of those of the scene's AOVs; NULL: the film does not have
+// the channel.
+struct film_planes {
+    float *of[FILM_CHANNELS];
+    float *aov[AOV_CHANNELS_MAX];
+};
+
 struct render_image {
     int width, height;
     struct image_pixel *pixel;
@@ -43,6 +65,10 @@ struct render_image {
     int coarsest;                 // pixels between the first samples, a power of two
     bool has_first_samples;       // whether each of these pixels has a sample
     struct satin_film *film;      // the film that is made from the image
+    // For each tile, who uses its pixels at the moment; NULL: there are no snapshots, for which
+    // alone it is needed (render_snapshot.c).
+    _Atomic int *tile_user;
+    bool in_pass;  // whether samples are being taken
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
     rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result
@@ -55,6 +81,29 @@ struct render_image {
 const struct image_pixel *render_image_source(const struct render_image *image, int x, int y);
 // The factor from a pixel's weighted sums to means.
 float render_image_scale(const struct image_pixel *pixel);
+
+// The film of snapshots, and when the next one is made (render_snapshot.c).
+struct render_snapshot {
+    struct satin_film *film;
+    struct film_planes planes;
+    unsigned char *has;  // of each pixel, whether the film has a value of its own samples
+    size_t pixels, missing;
+    double next;  // wall clock before which no snapshot is made
+};
+
+// Tiles of IMAGE_TILE x IMAGE_TILE pixels, row by row.
+enum { IMAGE_TILE = 16 };
+// The worker samples a tile from the first call to the second one. It waits for a snapshot that
+// reads the tile, which takes microseconds (render_snapshot.c).
+void render_tile_begin(struct render_image *image, size_t tile, int worker);
+void render_tile_end(struct render_image *image, size_t tile);
+
+// The planes of a film that has some of the image's channels (render_film.c).
+struct film_planes render_film_planes(const struct render_image *image, struct satin_film *film);
+// Sets pixel `at` of all planes to the values of `source`, a sampled pixel of the image; if it is
+// NULL, only the number of samples.
+void render_film_put(const struct render_image *image, const struct film_planes *planes, size_t at,
+                     const struct image_pixel *source);
 
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).

@@ -62,8 +62,8 @@ const struct render_steps *render_steps(const struct render *r) {
 
 static void report_now(struct render *r, double done) {
     struct render_progress *at = &r->progress;
-    if (!r->callbacks.progress) return;
     at->last_report = stats_wall();
+    if (!r->callbacks.progress) return;
     const double seconds = at->last_report - at->stage_start;
     const satin_progress progress = {
         .stage = stage_reports[at->stage].name,
@@ -78,7 +78,10 @@ static void report_now(struct render *r, double done) {
 
 bool render_progress_report(struct render *r, double done) {
     if (render_cancelled(r)) return true;
-    if (stats_wall() - r->progress.last_report >= REPORT_EVERY) report_now(r, done);
+    if (stats_wall() - r->progress.last_report >= REPORT_EVERY) {
+        report_now(r, done);
+        render_snapshot(r);
+    }
     return !render_cancelled(r);
 }
 

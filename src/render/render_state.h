@@ -109,7 +109,8 @@ struct render {
     struct render_first_pass first_pass;
     struct render_second_pass second_pass;
     struct render_image *image;
-    struct film_denoiser *denoiser;  // NULL: the image is not denoised
+    struct render_snapshot *snapshot;  // NULL: there was none so far
+    struct film_denoiser *denoiser;    // NULL: the image is not denoised
     struct render_outcome outcome;
 };
 
@@ -222,6 +223,14 @@ void render_denoise(struct render *r);
 // ---- render_film.c
 // Fills the film from the image so far, whose pixels are lost. *any: some pixel has a sample.
 void render_image_film(struct render *r, bool *any);
+
+// ---- render_snapshot.c: the image while it is sampled, if the caller has asked for it
+// Allocates what workers need for snapshots of the image, once. False if there is no memory.
+bool render_snapshot_memory(const struct render *r, struct render_image *image);
+// Passes a snapshot to the caller, if it is time to. Called on the calling thread when it is in the
+// middle of no sample.
+void render_snapshot(struct render *r);
+void render_snapshot_free(struct render_snapshot *snapshot);  // NULL is allowed
 
 // ---- render_metadata.c
 // Sets attributes and statistics of a finished film. False if there is no memory.

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Snapshots: the film of an image that is being sampled, for the caller to show. They are made on
+// the calling thread, between two of its own samples, while the other workers go on. A tile belongs
+// to the worker that samples it or to the snapshot that reads it, so that no pixel is read while it
+// changes; a tile that a worker has at that moment keeps the values of the snapshot before. Nothing
+// but the film of snapshots is written, so that the image does not depend on them.
+#include <sched.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "render/render_image.h"
+
+// A user of a tile; workers are their numbers plus 1.
+enum { NO_USER = 0, SNAPSHOT_USER = -1 };
+
+static size_t tile_count(const struct render_image *image) {
+    const size_t columns = (size_t)((image->width + IMAGE_TILE - 1) / IMAGE_TILE);
+    return columns * (size_t)((image->height + IMAGE_TILE - 1) / IMAGE_TILE);
+}
+
+void render_tile_begin(struct render_image *image, size_t tile, int worker) {
+    if (!image->tile_user) return;
+    int user = NO_USER;
+    while (!atomic_compare_exchange_weak(&image->tile_user[tile], &user, worker + 1)) {
+        user = NO_USER;
+        sched_yield();
+    }
+}
+
+void render_tile_end(struct render_image *image, size_t tile) {
+    if (image->tile_user) atomic_store(&image->tile_user[tile], NO_USER);
+}
+
+// ---- Memory -------------------------------------------------------------------------------------
+
+void render_snapshot_free(struct render_snapshot *snapshot) {
+    if (!snapshot) return;
+    satin_film_free(snapshot->film);
+    free(snapshot->has);
+    free(snapshot);
+}
+
+// To be called when the first snapshot is made: an image that changes its channels before that, as
+// the course does, has no snapshot yet.
+static struct render_snapshot *make_snapshot(const struct render *r) {
+    const struct render_image *image = r->image;
+    struct render_snapshot *snapshot = calloc(1, sizeof *snapshot);
+    satin_options options = r->second_pass.options;
+    if (!snapshot) return NULL;
+    if (r->callbacks.snapshot_beauty) snprintf(options.layers, sizeof options.layers, "none");
+    snapshot->pixels = snapshot->missing = (size_t)image->width * (size_t)image->height;
+    snapshot->has = calloc(snapshot->pixels, 1);
+    snapshot->film = render_film_new(&r->scene, &options);
+    if (snapshot->has && snapshot->film) {
+        snapshot->planes = render_film_planes(image, snapshot->film);
+        return snapshot;
+    }
+    render_snapshot_free(snapshot);
+    return NULL;
+}
+
+bool render_snapshot_memory(const struct render *r, struct render_image *image) {
+    if (!r->callbacks.snapshot || image->tile_user) return true;
+    image->tile_user = calloc(tile_count(image), sizeof *image->tile_user);
+    return image->tile_user != NULL;
+}
+
+// ---- The film -----------------------------------------------------------------------------------
+
+static void read_image_tile(struct render_snapshot *snapshot, const struct render_image *image,
+                            int x0, int y0) {
+    for (int y = y0; y < y0 + IMAGE_TILE && y < image->height; y++)
+        for (int x = x0; x < x0 + IMAGE_TILE && x < image->width; x++) {
+            const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+            const struct image_pixel *pixel = &image->pixel[at];
+            if (!pixel->samples && !pixel->dropped) continue;
+            render_film_put(image, &snapshot->planes, at, pixel);
+            snapshot->missing -= !snapshot->has[at];
+            snapshot->has[at] = 1;
+        }
+}
+
+static void read_free_tiles(struct render_snapshot *snapshot, struct render_image *image) {
+    size_t tile = 0;
+    for (int y0 = 0; y0 < image->height; y0 += IMAGE_TILE)
+        for (int x0 = 0; x0 < image->width; x0 += IMAGE_TILE, tile++) {
+            int user = NO_USER;
+            const bool taken =
+                atomic_compare_exchange_strong(&image->tile_user[tile], &user, SNAPSHOT_USER);
+            // The calling thread is worker 0, and is between two samples.
+            if (!taken && user != 0 + 1) continue;
+            read_image_tile(snapshot, image, x0, y0);
+            if (taken) atomic_store(&image->tile_user[tile], NO_USER);
+        }
+}
+
+// The pixel whose values are shown at (x, y), as render_image_source finds it in the image.
+static bool find_source(const struct render_snapshot *snapshot, const struct render_image *image,
+                        int x, int y, size_t *source) {
+    for (int stride = 2; stride <= image->coarsest; stride *= 2) {
+        *source = (size_t)(y - y % stride) * (size_t)image->width + (size_t)(x - x % stride);
+        if (snapshot->has[*source]) return true;
+    }
+    return false;
+}
+
+// Gives pixels that have no sample so far the values of a neighbour, in all channels but that of
+// the number of samples.
+static void fill_missing(struct render_snapshot *snapshot, const struct render_image *image) {
+    const struct satin_film *film = snapshot->film;
+    const float *samples = snapshot->planes.of[CHANNEL_SAMPLES];
+    if (!snapshot->missing) return;
+    for (size_t at = 0; at < snapshot->pixels; at++) {
+        size_t source;
+        if (snapshot->has[at] || !find_source(snapshot, image, (int)(at % (size_t)image->width),
+                                              (int)(at / (size_t)image->width), &source))
+            continue;
+        for (int i = 0; i < film->channel_count; i++)
+            if (film->channel[i] != samples) film->channel[i][at] = film->channel[i][source];
+    }
+}
+
+// ---- When ---------------------------------------------------------------------------------------
+
+void render_snapshot(struct render *r) {
+    struct render_image *image = r->image;
+    const double begin = stats_wall();
+    if (!r->callbacks.snapshot || r->progress.stage != STAGE_IMAGE || render_cancelled(r)) return;
+    if (!image->in_pass || !image->has_first_samples || render_steps(r)->coarse) return;
+    if (r->snapshot && begin < r->snapshot->next) return;
+    if (!r->snapshot) r->snapshot = make_snapshot(r);
+    if (!r->snapshot) {
+        log_message(r->log, SATIN_LOG_WARNING, "not enough memory to show the image so far");
+        r->callbacks.snapshot = NULL;
+        return;
+    }
+    read_free_tiles(r->snapshot, image);
+    fill_missing(r->snapshot, image);
+    r->callbacks.snapshot(r->callbacks.snapshot_user, r->snapshot->film);
+    const double end = stats_wall(), spent = end - begin;
+    r->snapshot->next = end + render_budget_snapshot(spent, parallel_threads(r->pool));
+    stats_add(&r->stats, "image.snapshots", 1.0);
+    stats_add(&r->stats, "time.snapshots_s", spent);
+}
