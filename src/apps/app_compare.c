@@ -32,7 +32,8 @@ const struct app_flag app_compare_flags[] = {
     {"--flip", NULL, NULL, "Computes FLIP too, the difference that a viewer sees."},
     {"--error-image", NULL, "FILE",
      "Writes a picture of the relative errors (.png), or the differences and errors (.exr)."},
-    {"--html", NULL, "FILE", "Writes a page with the pictures, a slider and the errors."},
+    {"--html", NULL, "FILE",
+     "Writes a page with the pictures, a slider and the errors; - for standard output."},
     {"--fail-over", NULL, "RELMSE",
      "Fails, with exit status 1, if relMSE is over this or a pixel is not finite."},
     {"--help", "-h", NULL, "Prints this."},
@@ -44,6 +45,7 @@ struct compare_request {
     int count;
     const char *layer, *error_image, *html;
     bool json, mask, flip, has_region, help;
+    bool page_alone;  // standard output is the page
     int region[4];
     double limit;  // of relMSE; INFINITY: none
 };
@@ -67,17 +69,41 @@ static void warn_nonfinite(const struct app_compared *c, const char *other) {
                 c->path, count, count == 1 ? " is" : "s are", other);
 }
 
+// Copies the colours of a film, with black where pixels are not compared.
+static float *copy_compared(const struct satin_film *film, const unsigned char *kind,
+                            float *plane[3]) {
+    const size_t count = (size_t)film->width * (size_t)film->height;
+    float *copy = malloc(3 * count * sizeof *copy);
+    for (size_t c = 0; c < 3 && copy; c++) {
+        plane[c] = copy + c * count;
+        for (size_t i = 0; i < count; i++)
+            plane[c][i] = kind[i] == FILM_PIXEL_COMPARED ? film->channel[c][i] : 0.0f;
+    }
+    return copy;
+}
+
+// Pixels that are not compared are black in both pictures, so that they do not affect those beside
+// them, and do not count in the mean.
 static satin_status compute_flip(struct app_compared *c, struct log log) {
     const struct satin_film *image = c->image;
     const size_t count = (size_t)image->width * (size_t)image->height;
+    float *a[3], *b[3];
+    float *image_copy = copy_compared(image, c->kind, a);
+    float *reference_copy = copy_compared(c->reference, c->kind, b);
     c->flip = malloc(count * sizeof *c->flip);
-    if (!c->flip) return SATIN_ERROR_MEMORY;
-    const satin_status status =
-        film_flip((const float *const *)image->channel, (const float *const *)c->reference->channel,
-                  image->width, image->height, log, c->flip);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (image_copy && reference_copy && c->flip)
+        status = film_flip((const float *const *)a, (const float *const *)b, image->width,
+                           image->height, log, c->flip);
     double sum = 0.0;
-    for (size_t i = 0; i < count && status == SATIN_OK; i++) sum += (double)c->flip[i];
-    c->flip_mean = sum / (double)count;
+    for (size_t i = 0; i < count && status == SATIN_OK; i++) {
+        if (c->kind[i] == FILM_PIXEL_COMPARED) sum += (double)c->flip[i];
+        if (c->kind[i] != FILM_PIXEL_COMPARED)
+            c->flip[i] = c->kind[i] == FILM_PIXEL_MASKED ? 0.0f : NAN;
+    }
+    c->flip_mean = sum / (double)c->difference.compared;
+    free(image_copy);
+    free(reference_copy);
     return status;
 }
 
@@ -102,15 +128,20 @@ static satin_status compare_image(const struct compare_request *r, const char *p
         status = film_compare(c->image, c->reference, r->mask, log, &c->difference);
     if (status != SATIN_OK) return status;
     warn_nonfinite(c, other);
-    c->error = malloc((size_t)box[2] * (size_t)box[3] * sizeof *c->error);
-    if (!c->error) return SATIN_ERROR_MEMORY;
-    film_pixel_errors(c->image, c->reference, c->error);
+    const size_t count = (size_t)box[2] * (size_t)box[3];
+    c->error = malloc(count * sizeof *c->error);
+    c->kind = malloc(count);
+    if (!c->error || !c->kind) return SATIN_ERROR_MEMORY;
+    status = film_pixel_kinds(c->image, c->reference, r->mask, log, c->kind);
+    if (status != SATIN_OK) return status;
+    film_pixel_errors(c->image, c->reference, c->kind, c->error);
     return r->flip ? compute_flip(c, log) : SATIN_OK;
 }
 
 static void compared_destroy(struct app_compared *c) {
     satin_film_free(c->image);
     satin_film_free(c->reference);
+    free(c->kind);
     free(c->error);
     free(c->flip);
 }
@@ -201,7 +232,13 @@ static void print_table(const struct app_compared *compared, int count) {
 
 // ---- Pictures -----------------------------------------------------------------------------------
 
-// Writes the signed differences in R, G and B, and the errors of the pixels.
+// The images have been warned of already.
+static void log_errors(void *user, satin_log_severity severity, const char *message) {
+    if (severity == SATIN_LOG_ERROR) app_log_file(user, severity, message);
+}
+
+// Writes the signed differences in R, G and B, and the errors of the pixels: 0 in masked pixels,
+// and NaN in those that are not finite.
 static satin_status write_error_exr(const char *path, const struct app_compared *c,
                                     struct log log) {
     const char *const names[] = {"R", "G", "B", "error.Y", "flip.Y"};
@@ -210,10 +247,14 @@ static satin_status write_error_exr(const char *path, const struct app_compared 
     if (!film) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     for (int k = 0; k < 3; k++)
         for (size_t i = 0; i < count; i++)
-            film->channel[k][i] = c->image->channel[k][i] - c->reference->channel[k][i];
+            film->channel[k][i] = c->kind[i] == FILM_PIXEL_COMPARED
+                                      ? c->image->channel[k][i] - c->reference->channel[k][i]
+                                      : c->error[i];
+    film->keep_nonfinite = true;
     memcpy(film->channel[3], c->error, count * sizeof *c->error);
     if (c->flip) memcpy(film->channel[4], c->flip, count * sizeof *c->flip);
-    const satin_status status = film_write_exr(film, path, NULL, log);
+    const satin_status status =
+        film_write_exr(film, path, NULL, (struct log){log_errors, log.user});
     satin_film_free(film);
     return status;
 }
@@ -283,6 +324,10 @@ static int read_compare_arguments(int argc, char **argv, struct compare_request 
     if (r->error_image && !app_ends_in(r->error_image, ".png") &&
         !app_ends_in(r->error_image, ".exr"))
         return app_wrong("%s: an error image is written as .png or .exr", r->error_image);
+    r->page_alone = r->html && strcmp(r->html, "-") == 0;
+    if (r->page_alone) r->html = APP_STDOUT;
+    if (r->page_alone && r->json)
+        return app_wrong("--json and --html - both write to standard output");
     const struct app_output output[] = {
         {r->error_image,
          r->error_image && app_ends_in(r->error_image, ".exr") ? FILEIO_SEEK : FILEIO_APPEND, NULL},
@@ -327,8 +372,9 @@ static int compare(const struct compare_request *r) {
         if (status == SATIN_OK) status = compare_image(r, r->path[i], reference, &compared[i]);
     }
     if (status == SATIN_OK && r->json) print_json(compared, count);
-    if (status == SATIN_OK && !r->json && count == 1) print_words(compared);
-    if (status == SATIN_OK && !r->json && count > 1) print_table(compared, count);
+    const bool words = status == SATIN_OK && !r->json && !r->page_alone;
+    if (words && count == 1) print_words(compared);
+    if (words && count > 1) print_table(compared, count);
     if (status == SATIN_OK && r->error_image)
         status = write_error_image(r->error_image, compared, file_log);
     if (status == SATIN_OK && r->html)

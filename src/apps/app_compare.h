@@ -11,9 +11,10 @@ struct app_compared {
     const char *path;
     struct satin_film *image, *reference;  // selected parts (film_select); owned
     struct film_difference difference;
-    float *error;  // of each pixel (film_pixel_errors); owned
-    float *flip;   // of each pixel, or NULL; owned
-    double flip_mean;
+    unsigned char *kind;  // of each pixel (film_pixel_kinds); owned
+    float *error;         // of each pixel (film_pixel_errors); owned
+    float *flip;          // likewise, or NULL; owned
+    double flip_mean;     // of the pixels that are compared
 };
 
 // Writes a page that shows the images, with no file beside it (app_compare_page.c).

@@ -19,6 +19,8 @@ static void print_progress(void *user, const char *line) {
     if (!*quiet) fprintf(stderr, "%s\n", line);
 }
 
+static void end_reading(void) { app_set_reading(false); }
+
 static void print_listed(void *user, const char *line) {
     (void)user;
     printf("%s\n", line);
@@ -31,7 +33,8 @@ int app_study(int argc, char **argv) {
     struct study_request request = {.program = "/proc/self/exe",
                                     .report = print_progress,
                                     .user = &quiet,
-                                    .interrupted = app_interrupted};
+                                    .interrupted = app_interrupted,
+                                    .planned = end_reading};
     char *value;
     int flag;
     while ((flag = app_args_next(&args, app_study_flags, NULL, &value)) != APP_END) {
@@ -47,6 +50,8 @@ int app_study(int argc, char **argv) {
     if (!request.file || (!folder && !request.dry))
         return app_wrong("study takes a file and a folder: satin study STUDY.toml -o DIR");
     if (request.dry) request.report = print_listed;
+    // Nothing is written before all scenes are read, which may take long.
+    app_set_reading(true);
     app_catch_signals();
     const int result = app_exit_of(study_run(&request, (struct log){app_log_file, NULL}));
     if (result == APP_DONE && !request.dry && !quiet)

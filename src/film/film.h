@@ -144,6 +144,12 @@ struct film_difference {
 satin_status film_compare(const struct satin_film *image, const struct satin_film *reference,
                           bool mask_emission, struct log log, struct film_difference *out);
 
+// Which pixels that comparison has left out: one of these for each pixel. Errors are those of
+// film_compare, but for that of no pixel.
+enum film_pixel { FILM_PIXEL_COMPARED, FILM_PIXEL_MASKED, FILM_PIXEL_NONFINITE };
+satin_status film_pixel_kinds(const struct satin_film *image, const struct satin_film *reference,
+                              bool mask_emission, struct log log, unsigned char *out);
+
 // ---- Parts of images that are compared (film_select.c) ------------------------------------------
 
 // The box x, y, width, height of the pixels that both images have, in the pixels of the whole image
@@ -159,9 +165,9 @@ satin_status film_common_box(const struct satin_film *a, const struct satin_film
 satin_status film_select(const struct satin_film *film, const char *name, const char *layer,
                          const int box[4], struct log log, struct satin_film **out);
 // The error of each pixel of a selected image: the root of the mean of (x - r)^2 / (r^2 + 0.01)
-// over its three channels.
+// over its three channels; 0 where `kind` (film_pixel_kinds) is masked, NaN where it is not finite.
 void film_pixel_errors(const struct satin_film *image, const struct satin_film *reference,
-                       float *out);
+                       const unsigned char *kind, float *out);
 // LDR-FLIP of pictures in linear sRGB, width * height values each, which are clamped to [0, 1]
 // (film_flip.c): `map` is the error of each pixel in [0, 1]; their mean is that of the picture.
 satin_status film_flip(const float *const image[3], const float *const reference[3], int width,

@@ -58,17 +58,19 @@ static void add_channel(struct sums *sums, double x, double r, double variance) 
     sums->display += display * display;
 }
 
+static enum film_pixel kind_of(const struct compared_planes *p, size_t i) {
+    const rgb emitted = rgb_add(value_at(p, EMISSION_IMAGE, i), value_at(p, EMISSION_REFERENCE, i));
+    if (!rgb_finite(value_at(p, IMAGE, i)) || !rgb_finite(value_at(p, REFERENCE, i)))
+        return FILM_PIXEL_NONFINITE;
+    return rgb_black(emitted) ? FILM_PIXEL_COMPARED : FILM_PIXEL_MASKED;
+}
+
 static void add_pixel(struct sums *sums, const struct compared_planes *p, size_t i) {
     rgb x = value_at(p, IMAGE, i), r = value_at(p, REFERENCE, i), v = value_at(p, VARIANCE, i);
-    rgb emitted = rgb_add(value_at(p, EMISSION_IMAGE, i), value_at(p, EMISSION_REFERENCE, i));
-    if (!rgb_finite(x) || !rgb_finite(r)) {
-        sums->nonfinite++;
-        return;
-    }
-    if (!rgb_black(emitted)) {
-        sums->masked++;
-        return;
-    }
+    const enum film_pixel kind = kind_of(p, i);
+    sums->nonfinite += kind == FILM_PIXEL_NONFINITE;
+    sums->masked += kind == FILM_PIXEL_MASKED;
+    if (kind != FILM_PIXEL_COMPARED) return;
     add_channel(sums, x.r, r.r, v.r);
     add_channel(sums, x.g, r.g, v.g);
     add_channel(sums, x.b, r.b, v.b);
@@ -124,5 +126,15 @@ satin_status film_compare(const struct satin_film *image, const struct satin_fil
         .nonfinite = s.nonfinite,
         .variance = planes.channel[VARIANCE][0] != NULL,
     };
+    return SATIN_OK;
+}
+
+satin_status film_pixel_kinds(const struct satin_film *image, const struct satin_film *reference,
+                              bool mask_emission, struct log log, unsigned char *out) {
+    struct compared_planes planes = {0};
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    const satin_status status = find_planes(image, reference, mask_emission, log, &planes);
+    if (status != SATIN_OK) return status;
+    for (size_t i = 0; i < pixels; i++) out[i] = (unsigned char)kind_of(&planes, i);
     return SATIN_OK;
 }

@@ -83,10 +83,12 @@ satin_status film_select(const struct satin_film *film, const char *name, const 
 }
 
 void film_pixel_errors(const struct satin_film *image, const struct satin_film *reference,
-                       float *out) {
+                       const unsigned char *kind, float *out) {
     const size_t count = (size_t)image->width * (size_t)image->height;
     for (size_t i = 0; i < count; i++) {
         double sum = 0.0;
+        out[i] = kind[i] == FILM_PIXEL_MASKED ? 0.0f : NAN;
+        if (kind[i] != FILM_PIXEL_COMPARED) continue;
         for (int c = 0; c < 3; c++) {
             const double r = (double)reference->channel[c][i];
             const double d = (double)image->channel[c][i] - r;

@@ -16,6 +16,7 @@ struct study_request {
     void (*report)(void *user, const char *line);
     void *user;
     bool (*interrupted)(void);  // whether to stop; may be NULL
+    void (*planned)(void);      // called when the file and the scenes are read; may be NULL
     bool dry;                   // only checks the file and reports what would be rendered
 };
 

@@ -188,6 +188,17 @@ bool study_take_vary(struct study_reader *r, const struct toml_node *node) {
     return true;
 }
 
+// Takes the name of a point, which no point before it may have: tables and charts show it alone.
+static bool take_point_name(struct study_reader *r, const struct toml_node *node,
+                            struct study_point *point) {
+    if (!study_is(r, node, TOML_TEXT, "a text")) return false;
+    for (const struct study_point *p = r->out->point; p < point; p++)
+        if (p->name && strcmp(p->name, node->text) == 0)
+            return study_wrong(r, node, "two points are called '%s'", node->text);
+    point->name = node->text;
+    return true;
+}
+
 bool study_take_points(struct study_reader *r, const struct toml_node *node) {
     if (!study_is(r, node, TOML_ARRAY, "written as [[point]]")) return false;
     for (size_t i = 0; i < node->count; i++) {
@@ -198,8 +209,7 @@ bool study_take_points(struct study_reader *r, const struct toml_node *node) {
         for (size_t k = 0; k < table->count; k++) {
             const struct toml_node *child = &table->child[k];
             if (strcmp(child->key, "name") == 0) {
-                if (!study_is(r, child, TOML_TEXT, "a text")) return false;
-                point->name = child->text;
+                if (!take_point_name(r, child, point)) return false;
                 continue;
             }
             if (!study_take_option(r, child, true, &point->set)) return false;

@@ -155,12 +155,14 @@ static bool take_defines(struct study_reader *r, const struct toml_node *table,
                          struct study_scene *out) {
     if (!study_is(r, table, TOML_TABLE, "a table of names and values")) return false;
     out->define = study_array(r, table->count, sizeof *out->define);
-    if (!out->define) return false;
+    out->define_at = study_array(r, table->count, sizeof *out->define_at);
+    if (!out->define || !out->define_at) return false;
     for (size_t i = 0; i < table->count; i++) {
         const struct toml_node *child = &table->child[i];
         if (!child->text) return study_wrong(r, child, "it must be one value");
         const bool flag = child->kind == TOML_FLAG;
         const char *value = !flag ? child->text : child->text[1] == 'n' ? "true" : "false";
+        out->define_at[out->defines] = child->at;
         out->define[out->defines++] = (satin_define){child->key, value};
     }
     return true;
@@ -288,6 +290,10 @@ static bool take_reference(struct study_reader *r, const struct toml_node *table
     if (pieces && !take_count(r, pieces, 2, PIECES_MAX, &count)) return false;
     if (count > s->reference_spp) count = s->reference_spp;
     s->reference_pieces = count;
+    for (size_t i = 0; set && i < set->count; i++)
+        if (set->child[i].key && text_same_name(set->child[i].key, "spp"))
+            return study_wrong(r, &set->child[i],
+                               "the key 'spp' of the reference has its number of samples");
     return !set || study_take_options(r, set, true, &s->reference);
 }
 

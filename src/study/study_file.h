@@ -19,6 +19,7 @@ struct study_scene {
     const char *name, *path;
     const char *reference;  // path of an image, or NULL: one is rendered
     satin_define *define;
+    struct log_place *define_at;  // of each
     size_t defines;
     struct log_place at;
     uint64_t hash;  // of everything that the scene is read from; set when the study is planned

@@ -13,8 +13,8 @@
 #include "base/array.h"
 #include "base/fileio.h"
 #include "base/text.h"
+#include "render/render.h"
 #include "satin/film.h"
-#include "study/study_text.h"
 
 enum { PROGRAM_BYTES_MAX = 1 << 30 };
 
@@ -29,6 +29,7 @@ struct planner {
     struct study_plan *plan;
     satin_scene *scene;  // that is loaded
     size_t at;           // its index
+    bool lists;          // nothing is rendered, so that the denoiser must be there now
 };
 
 static satin_status fail_memory(struct log log) {
@@ -77,7 +78,17 @@ static void log_at_point(void *user, satin_log_severity severity, const char *me
 // The options that a render with these settings has in the loaded scene.
 static satin_status resolve_settings(struct planner *p, const struct combined *set,
                                      satin_options *out) {
-    return satin_options_resolve(p->scene, set->setting, set->count, log_at_point, p, out);
+    satin_options checked;
+    satin_status status =
+        satin_options_resolve(p->scene, set->setting, set->count, log_at_point, p, out);
+    if (status != SATIN_OK) return status;
+    // Renders that need a denoiser which is not installed fail alone, so that others run.
+    checked = *out;
+    checked.denoise = out->denoise && p->lists;
+    status = render_check(p->scene, &checked, (struct log){log_at_point, p});
+    // Once is enough: opening it takes a while.
+    if (status == SATIN_OK && checked.denoise) p->lists = false;
+    return status;
 }
 
 static uint64_t hash_text(uint64_t hash, const char *text) {
@@ -276,13 +287,31 @@ static satin_status check_reference(struct planner *p) {
     return SATIN_ERROR_INPUT;
 }
 
+// Passes on what loading a scene logs. An error that names a definition, and no line of the scene,
+// is at the line of the study that has the definition.
+static void log_load(void *user, satin_log_severity severity, const char *message) {
+    const struct planner *p = user;
+    const struct study_scene *scene = &p->plan->study.scene[p->at];
+    const size_t path = strlen(scene->path);
+    const bool whole_scene =
+        strncmp(message, scene->path, path) == 0 && strncmp(message + path, ": ", 2) == 0;
+    for (size_t i = 0; i < scene->defines && whole_scene; i++) {
+        char quoted[256];
+        snprintf(quoted, sizeof quoted, "'%s'", scene->define[i].name);
+        if (severity != SATIN_LOG_ERROR || !strstr(message, quoted)) continue;
+        log_error_at(p->log, scene->define_at[i], "%s", message);
+        return;
+    }
+    if (p->log.fn) p->log.fn(p->log.user, severity, message);
+}
+
 static satin_status load_scene(struct planner *p, size_t at) {
     struct study_scene *scene = &p->plan->study.scene[at];
     satin_scene_free(p->scene);
     p->scene = NULL;
     p->at = at;
-    const satin_status status = satin_scene_load(scene->path, scene->define, scene->defines,
-                                                 p->log.fn, p->log.user, &p->scene);
+    const satin_status status =
+        satin_scene_load(scene->path, scene->define, scene->defines, log_load, p, &p->scene);
     if (status == SATIN_OK) scene->hash = satin_scene_hash(p->scene);
     return status;
 }
@@ -408,15 +437,16 @@ static satin_status plan_all(struct planner *p) {
     return status;
 }
 
-satin_status study_plan_make(struct log log, const char *file, const char *program,
+satin_status study_plan_make(struct log log, const struct study_request *request,
                              struct study_plan *out) {
     char *bytes = NULL;
     size_t size = 0;
-    struct planner p = {.log = log, .plan = out};
+    struct planner p = {.log = log, .plan = out, .lists = request->dry};
     *out = (struct study_plan){0};
-    satin_status status = study_file_read(log, file, &out->study);
+    satin_status status = study_file_read(log, request->file, &out->study);
     if (status == SATIN_OK)
-        status = fileio_read(log, (struct log_place){0}, program, PROGRAM_BYTES_MAX, &bytes, &size);
+        status = fileio_read(log, (struct log_place){0}, request->program, PROGRAM_BYTES_MAX,
+                             &bytes, &size);
     if (status != SATIN_OK) return status;
     out->program_hash = fileio_hash_large(FILEIO_HASH, bytes, size);
     free(bytes);
@@ -430,49 +460,4 @@ void study_plan_free(struct study_plan *plan) {
     free(plan->render);
     study_file_free(&plan->study);
     *plan = (struct study_plan){0};
-}
-
-// ---- Access -------------------------------------------------------------------------------------
-
-struct study_render *study_plan_image(const struct study_plan *plan, size_t scene, size_t point,
-                                      size_t seed) {
-    const struct study *s = &plan->study;
-    return &plan->render[plan->image[(scene * s->points + point) * s->seeds + seed]];
-}
-
-struct study_render *study_plan_view(const struct study_plan *plan, size_t scene, size_t point,
-                                     size_t seed) {
-    const struct study *s = &plan->study;
-    const size_t at = plan->view[(scene * s->points + point) * s->seeds + seed];
-    return at == STUDY_NONE ? NULL : &plan->render[at];
-}
-
-char *study_command(const struct study_render *render) {
-    struct study_text text = {0};
-    study_text_add(&text, "satin render");
-    for (const char *const *a = render->argument; *a; a++) {
-        study_text_add(&text, " ");
-        study_text_shell(&text, *a);
-        if (a == render->argument) study_text_add(&text, " -o image.exr --float");
-    }
-    if (!text.failed) return text.data;
-    free(text.data);
-    return NULL;
-}
-
-char *study_point_label(const struct study *study, const struct study_point *point) {
-    struct study_text text = {0};
-    study_text_add(&text, "%s", point->name ? point->name : "");
-    for (size_t c = 0; c < study->columns && !point->name; c++) {
-        if (!point->cell[c] || !*point->cell[c]) continue;
-        if (study->column[c].is_option)
-            study_text_add(&text, "%s%s=%s", text.size ? " " : "", study->column[c].name,
-                           point->cell[c]);
-        else
-            study_text_add(&text, "%s%s", text.size ? " " : "", point->cell[c]);
-    }
-    if (text.size == 0) study_text_add(&text, "defaults");
-    if (!text.failed) return text.data;
-    free(text.data);
-    return NULL;
 }

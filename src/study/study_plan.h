@@ -57,11 +57,14 @@ struct study_plan {
 #define STUDY_NONE ((size_t)-1)
 
 // Reads the study's file, loads its scenes to check all options against them, and lists the
-// renders. Points with the same options in all scenes become one. Errors are those of
-// study_file_read. study_plan_free must follow in any case.
-satin_status study_plan_make(struct log log, const char *file, const char *program,
+// renders. Points with the same options in all scenes become one. Options with which no render can
+// begin are an error, but for a denoiser that is not installed, unless the renders are only to be
+// listed. Errors are those of study_file_read. study_plan_free must follow in any case.
+satin_status study_plan_make(struct log log, const struct study_request *request,
                              struct study_plan *out);
 void study_plan_free(struct study_plan *plan);
+
+// ---- study_access.c
 
 // The renders of the point's seed `seed`, counted from 0: its image and the view of its first pass,
 // which may be NULL.

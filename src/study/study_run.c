@@ -211,7 +211,9 @@ satin_status study_run(const struct study_request *request, struct log log) {
     struct study_plan plan;
     struct study_store store = {request->folder, -1};
     struct running r = {.request = request, .log = log, .plan = &plan, .store = &store};
-    satin_status status = study_plan_make(log, request->file, request->program, &plan);
+    satin_status status = study_plan_make(log, request, &plan);
+    if (request->planned) request->planned();
+    if (status == SATIN_OK && is_interrupted(&r)) status = SATIN_CANCELLED;
     if (status == SATIN_OK && request->dry) {
         status = list_renders(&r);
     } else if (status == SATIN_OK) {

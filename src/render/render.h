@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// For other folders: what of the input of a render can be checked without rendering.
+#ifndef RENDER_RENDER_H
+#define RENDER_RENDER_H
+
+#include "base/log.h"
+#include "satin/options.h"
+#include "satin/scene.h"
+
+// Checks whether satin_render would begin with these options, which are those of
+// satin_options_resolve: the film and its crop, materials and layers, and whether there is a
+// denoiser, if they need one. Returns SATIN_ERROR_INPUT, with the line that satin_render would log,
+// or SATIN_ERROR_MEMORY. Files of records are not checked.
+satin_status render_check(const satin_scene *scene, const satin_options *options, struct log log);
+
+#endif
