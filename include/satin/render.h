@@ -19,13 +19,17 @@ extern "C" {
 //   records           records at the surfaces that the image shows
 //   image             samples of the pixels
 //   denoising         if options->denoise asks for it
-// `done` is the fraction of the stage in [0, 1]. `rate` is the number of items of the stage per
+// `done` is the fraction of the stage in [0, 1]; of the image, that of its time if options->time
+// ends it. `rate` is the number of items of the stage per
 // second, and `unit` their name; they are 0 and "" if items are not counted. `elapsed` is in
-// seconds since the render began. Texts are static, and a stage has the same pointer in all calls;
-// the struct is valid during the call.
+// seconds since the render began. `left` is the number of seconds until the whole render ends: by
+// the speed of the image so far, but at most what is left of options->time, from which it is known
+// in all stages. It does not include denoising after an image without a time limit. Negative: not
+// known, since the cost of a later stage is not. Texts are static, and a stage has the same pointer
+// in all calls; the struct is valid during the call.
 typedef struct satin_progress {
     const char *stage, *unit;
-    double done, rate, elapsed;
+    double done, rate, elapsed, left;
 } satin_progress;
 
 // Called on the thread that called satin_render, about ten times a second and only during that

@@ -128,9 +128,10 @@ static int terminal_columns(void) {
     return 80;
 }
 
-// Prints `stage [####----] 45 %  1.2 M rays/s  0:12 left`, cut to one column less than the terminal
-// has, because writing to the last column would wrap.
-static void draw_bar(struct app_progress *p, const satin_progress *now, double elapsed) {
+// Prints `stage [####----] 45 %  1.2 M rays/s  0:12 left`, with the time until the whole render
+// ends, cut to one column less than the terminal has, because writing to the last column would
+// wrap.
+static void draw_bar(struct app_progress *p, const satin_progress *now) {
     char tail[128], rate[32], left[32], line[LINE_MAX_BYTES];
     double done = fmin(fmax(now->done, 0.0), 1.0);
     int n = snprintf(tail, sizeof tail, "%3.0f %%", 100.0 * done);
@@ -138,9 +139,8 @@ static void draw_bar(struct app_progress *p, const satin_progress *now, double e
         print_rate(rate, sizeof rate, now->rate);
         n += snprintf(tail + n, sizeof tail - (size_t)n, "  %s %.24s/s", rate, now->unit);
     }
-    // The remaining time is not predicted from the first hundredth of the work.
-    if (done > 0.01 && elapsed > 0.5) {
-        print_time(left, sizeof left, elapsed * (1.0 - done) / done);
+    if (now->left >= 0.0) {
+        print_time(left, sizeof left, now->left);
         snprintf(tail + n, sizeof tail - (size_t)n, "  %s left", left);
     }
     int columns = terminal_columns() - 1;
@@ -196,7 +196,7 @@ bool app_progress_update(void *user, const satin_progress *now) {
     p->rate = now->rate;
     snprintf(p->unit, sizeof p->unit, "%s", now->unit ? now->unit : "items");
     if (!p->quiet && p->terminal && time - p->last_draw >= REDRAW_SECONDS) {
-        draw_bar(p, now, p->last - p->stage_start);
+        draw_bar(p, now);
         p->last_draw = time;
     }
     return app_interrupted();

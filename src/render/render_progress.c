@@ -3,6 +3,8 @@
 // for the loops of all stages, which call the user's progress function; that may cancel the render.
 #include "render/render_state.h"
 
+#include <math.h>
+
 static const double REPORT_EVERY = 0.1;  // seconds
 
 // A stage in reports: its name, the unit of its items, and the statistic for its seconds.
@@ -60,17 +62,45 @@ const struct render_steps *render_steps(const struct render *r) {
     return &course_steps[r->progress.course];
 }
 
+// A hundredth of a stage, and half a second, are the least by which its speed is known.
+static const double SPEED_DONE = 0.01, SPEED_SECONDS = 0.5;
+
+double render_progress_left(const struct render *r, double done, double elapsed) {
+    const struct render_progress *at = &r->progress;
+    const double seconds = elapsed - (at->stage_start - at->start);
+    const bool limited = r->options.time > 0.0;
+    const double limit = limited ? fmax(r->options.time - elapsed, 0.0) : INFINITY;
+    // The cost of the image is not known before it is begun.
+    const bool last = at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
+    double left = INFINITY;
+    if (last && done > SPEED_DONE && seconds > SPEED_SECONDS) left = seconds * (1.0 - done) / done;
+    left = fmin(left, limit);
+    return isfinite(left) ? left : -1.0;
+}
+
+// The fraction of the stage that is done. A time limit ends the image, whatever the number of its
+// samples.
+static double fraction_done(const struct render *r, double done, double elapsed) {
+    const struct render_progress *at = &r->progress;
+    if (at->stage != STAGE_IMAGE || !(r->options.time > 0.0)) return done;
+    const double begin = at->stage_start - at->start, end = fmax(r->options.time, begin);
+    const double timed = elapsed < end ? (elapsed - begin) / (end - begin) : 1.0;
+    return fmax(done, timed);
+}
+
 static void report_now(struct render *r, double done) {
     struct render_progress *at = &r->progress;
     at->last_report = stats_wall();
     if (!r->callbacks.progress) return;
     const double seconds = at->last_report - at->stage_start;
+    const double elapsed = at->last_report - at->start;
     const satin_progress progress = {
         .stage = stage_reports[at->stage].name,
         .unit = stage_reports[at->stage].unit,
-        .done = done,
+        .done = fraction_done(r, done, elapsed),
         .rate = seconds > 0.0 ? done * at->items / seconds : 0.0,
-        .elapsed = at->last_report - at->start,
+        .elapsed = elapsed,
+        .left = render_progress_left(r, done, elapsed),
     };
     if (!r->callbacks.progress(r->callbacks.progress_user, &progress)) return;
     if (at->stage != STAGE_SETUP) at->cancelled_in = at->stage;

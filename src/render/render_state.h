@@ -138,6 +138,9 @@ const char *render_stage_name(enum render_stage stage);
 void render_stage_range(struct render *r, double done, double span);
 // Makes the pool report to the caller, and stop its loops on cancellation or at the deadline.
 void render_progress_install(struct render *r);
+// The seconds until the whole render ends, `elapsed` seconds after it began, when `done` of the
+// stage is done; negative if that is not known.
+double render_progress_left(const struct render *r, double done, double elapsed);
 // Reports to the caller, if it is time to. False if the caller has cancelled now, and not before.
 bool render_progress_report(struct render *r, double done);
 

@@ -48,10 +48,28 @@ static void steps_follow_the_course(void **state) {
     assert_true(render_steps(&r)->coarse);
 }
 
+// Without a limit the end is known when the image has a speed; a limit is known in all stages.
+static void the_time_that_is_left_is_that_of_the_whole_render(void **state) {
+    (void)state;
+    struct render r = {.progress = {.stage = STAGE_RECORDS, .start = 100.0, .stage_start = 104.0}};
+    assert_true(render_progress_left(&r, 0.5, 8.0) < 0.0);
+    r.progress.stage = STAGE_IMAGE;
+    assert_true(render_progress_left(&r, 0.0, 8.0) < 0.0);
+    assert_true(render_progress_left(&r, 0.9, 4.1) < 0.0);
+    assert_float_equal(render_progress_left(&r, 0.25, 8.0), 12.0, 1e-9);
+    r.options.time = 10.0;
+    assert_float_equal(render_progress_left(&r, 0.25, 8.0), 2.0, 1e-9);
+    assert_float_equal(render_progress_left(&r, 0.8, 8.0), 1.0, 1e-9);
+    assert_float_equal(render_progress_left(&r, 0.0, 11.0), 0.0, 0.0);
+    r.progress.stage = STAGE_PHOTONS;
+    assert_float_equal(render_progress_left(&r, 0.9, 8.0), 2.0, 1e-9);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_decide_the_first_course),
         cmocka_unit_test(steps_follow_the_course),
+        cmocka_unit_test(the_time_that_is_left_is_that_of_the_whole_render),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
