@@ -5,6 +5,7 @@
 
 #include "satin/film.h"
 #include "satin/options.h"
+#include "satin/ranks.h"
 #include "satin/scene.h"
 
 #ifdef __cplusplus
@@ -67,6 +68,20 @@ typedef struct satin_callbacks {
     void *snapshot_user;
     bool
         snapshot_beauty;  // snapshots have the channels R, G and B, and A if the film has it, alone
+    // File from which an interrupted render goes on, and that is written while it goes on; NULL:
+    // none. With `resume` a file that exists is read: it must have been made by the same version of
+    // satin for the same scene and options, but for the number of threads, and the image is then
+    // that of a render which was not interrupted. If options->spp is larger, samples are added.
+    // Without `resume`, or if it does not exist, the file is made, and replaced if it is a
+    // checkpoint. All else is refused with SATIN_ERROR_INPUT, and so is options->time.
+    const char *checkpoint;
+    bool resume;
+    // The state of the image is written to the checkpoint after so many seconds; 0: 60. Other work
+    // is written when it is done.
+    double checkpoint_seconds;
+    // The processes that render together; NULL: this one alone. Rank 0 has the film; the others
+    // have one whose pixels are the same. Their files of records and checkpoints are not written.
+    const satin_ranks *ranks;
 } satin_callbacks;
 
 // Renders. `callbacks` may be NULL. The caller sets *film to NULL before the call, as it is set
@@ -78,8 +93,9 @@ typedef struct satin_callbacks {
 // second, of direct light alone if the photons were not complete or a sample takes that long. A
 // cancelled image is denoised if that takes less than half a second.
 //
-// If only the records could not be written to save_cache, or the image could not be denoised, *film
-// is the whole image, in the latter case noisy, and the status is that of this failure.
+// If only the records could not be written to save_cache, or the checkpoint could not be written,
+// or the image could not be denoised, *film is the whole image, in the latter case noisy, and the
+// status is that of this failure.
 //
 // SATIN_ERROR_INPUT: options->denoise is set and the denoiser is not installed, which is detected
 // before anything is rendered, or a file of records does not fit; SATIN_ERROR_ARGUMENT: a pointer

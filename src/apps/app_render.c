@@ -27,17 +27,32 @@ static int check_format(const struct app_render_request *r) {
     return APP_DONE;
 }
 
-// OUT.exr -> OUT.png; from malloc.
-static char *png_name(const char *output) {
+// OUT.exr -> OUT and another ending; from malloc.
+static char *name_beside(const char *output, const char *ending) {
     size_t n = strlen(output);
-    if (app_ends_in(output, ".exr")) n -= 4;
-    char *name = malloc(n + 5);
-    if (name) snprintf(name, n + 5, "%.*s.png", (int)n, output);
+    if (app_ends_in(output, ".exr") || app_ends_in(output, ".png")) n -= 4;
+    const size_t size = n + strlen(ending) + 1;
+    char *name = malloc(size);
+    if (name) snprintf(name, size, "%.*s%s", (int)n, output, ending);
     return name;
 }
 
+// Sets the names of outputs that were asked for without a name.
+static int name_outputs(struct app_render_request *r) {
+    if (r->want_png && !r->png && !app_ends_in(r->output, ".png")) {
+        r->png = r->png_beside = name_beside(r->output, ".png");
+        if (!r->png) return app_no_memory();
+    }
+    if (r->resume && !r->checkpoint) {
+        r->checkpoint = r->checkpoint_beside = name_beside(r->output, ".checkpoint");
+        if (!r->checkpoint) return app_no_memory();
+    }
+    if (r->stats && strcmp(r->stats, "-") == 0) r->stats = APP_STDOUT;
+    return APP_DONE;
+}
+
 // All outputs; the path of an output that was not asked for is NULL.
-enum { OUTPUTS = 5 };
+enum { OUTPUTS = 6 };
 static void list_outputs(const struct app_render_request *r, struct app_output output[OUTPUTS]) {
     const bool png = app_ends_in(r->output, ".png");
     output[0] = (struct app_output){r->output, png ? FILEIO_APPEND : FILEIO_SEEK, NULL};
@@ -48,14 +63,12 @@ static void list_outputs(const struct app_render_request *r, struct app_output o
     output[3] = (struct app_output){r->save, FILEIO_APPEND, r->load};
     // It is renamed again and again.
     output[4] = (struct app_output){r->preview, FILEIO_SEEK, NULL};
+    output[5] = (struct app_output){r->checkpoint, FILEIO_SEEK, NULL};
 }
 
 static int check_outputs(struct app_render_request *r) {
-    if (r->want_png && !r->png && !app_ends_in(r->output, ".png")) {
-        r->png = r->png_beside = png_name(r->output);
-        if (!r->png) return app_no_memory();
-    }
-    if (r->stats && strcmp(r->stats, "-") == 0) r->stats = APP_STDOUT;
+    const int named = name_outputs(r);
+    if (named != APP_DONE) return named;
     const struct app_input input[] = {
         {r->scene, "the scene"}, {r->load, "the cache that is loaded"}, {NULL, NULL}};
     struct app_output output[OUTPUTS];
@@ -119,6 +132,9 @@ static satin_status render_live(const struct app_render_request *r, const satin_
                                        .progress_user = live,
                                        .load_cache = r->load,
                                        .save_cache = r->save,
+                                       .checkpoint = r->checkpoint,
+                                       .resume = r->resume,
+                                       .checkpoint_seconds = r->checkpoint_seconds,
                                        .snapshot = shown ? app_live_snapshot : NULL,
                                        .snapshot_user = live,
                                        .snapshot_beauty = !r->display.wanted};
@@ -189,5 +205,6 @@ int app_render(int argc, char **argv) {
     free(r.define);
     free(r.setting);
     free(r.png_beside);
+    free(r.checkpoint_beside);
     return result;
 }

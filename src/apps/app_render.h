@@ -9,10 +9,11 @@
 #include "apps/app_display.h"
 #include "satin/render.h"
 
-// The texts are those of the arguments, except for png_beside.
+// The texts are those of the arguments, except for those at the end.
 struct app_render_request {
-    const char *scene, *output, *png, *preview, *stats, *load, *save, *sensor;
-    bool want_png, quiet, help;
+    const char *scene, *output, *png, *preview, *stats, *load, *save, *checkpoint, *sensor;
+    bool want_png, resume, quiet, help;
+    double checkpoint_seconds;
     struct app_display display;
     satin_tonemap tonemap;
     satin_exr_format format;
@@ -20,7 +21,8 @@ struct app_render_request {
     satin_define *define;
     satin_setting *setting;
     size_t define_count, setting_count;
-    char *png_beside;  // name of a PNG that was asked for without a name; owned
+    // Names of outputs that were asked for without a name; owned.
+    char *png_beside, *checkpoint_beside;
 };
 
 // Reads the arguments after `render` (app_render_args.c). `define` and `setting` have space for as

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the arguments of `satin render`. Errors in them are found before the scene is read.
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "apps/app.h"
@@ -13,6 +14,9 @@ enum {
     FLAG_STATS,
     FLAG_LOAD,
     FLAG_SAVE,
+    FLAG_CHECKPOINT,
+    FLAG_CHECKPOINT_EVERY,
+    FLAG_RESUME,
     FLAG_DEFINE,
     FLAG_SET,
     FLAG_SENSOR,
@@ -41,6 +45,13 @@ const struct app_flag app_render_flags[] = {
      "Begins with the cache records of a render of the same scene, with any sensor."},
     {"--save-cache", NULL, "FILE",
      "Writes the cache records to FILE, which may be the file that is loaded."},
+    {"--checkpoint", NULL, "FILE",
+     "Writes to FILE what is done, so that --resume can go on if the render is interrupted."},
+    {"--checkpoint-every", NULL, "SECONDS",
+     "How often the state of the image is written to the checkpoint; 60 if not given."},
+    {"--resume", NULL, NULL,
+     "Goes on from the checkpoint, if there is one: OUT.checkpoint if no other is named. With a "
+     "larger --spp, samples are added to a complete image."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--sensor", NULL, "INDEX|ID",
@@ -102,6 +113,8 @@ static const char **text_of(struct app_render_request *r, int flag) {
             return &r->load;
         case FLAG_SAVE:
             return &r->save;
+        case FLAG_CHECKPOINT:
+            return &r->checkpoint;
         case FLAG_SENSOR:
             return &r->sensor;
         default:
@@ -114,6 +127,9 @@ static bool take_switch(struct app_render_request *r, int flag) {
     switch (flag) {
         case FLAG_FLOAT:
             r->format.full_float = true;
+            return true;
+        case FLAG_RESUME:
+            r->resume = true;
             return true;
         case FLAG_STRICT:
             r->scene_flags |= SATIN_SCENE_STRICT;
@@ -141,6 +157,14 @@ static int take_compression(struct app_render_request *r, const char *value) {
     return app_wrong("--compression needs zip, zips, piz, rle or none, not '%s'", value);
 }
 
+static int take_checkpoint_seconds(struct app_render_request *r, const char *value) {
+    char *end;
+    r->checkpoint_seconds = strtod(value, &end);
+    if (end != value && !*end && r->checkpoint_seconds > 0.0 && r->checkpoint_seconds <= 1e6)
+        return APP_DONE;
+    return app_wrong("--checkpoint-every needs a number of seconds, not '%s'", value);
+}
+
 static int take_flag(struct app_render_request *r, int flag, char *value) {
     satin_define *define = &r->define[r->define_count];
     satin_setting *setting = &r->setting[r->setting_count];
@@ -150,6 +174,8 @@ static int take_flag(struct app_render_request *r, int flag, char *value) {
     switch (flag) {
         case FLAG_COMPRESSION:
             return take_compression(r, value);
+        case FLAG_CHECKPOINT_EVERY:
+            return take_checkpoint_seconds(r, value);
         case FLAG_CROP:
             return take_crop(r, value);
         case FLAG_DISPLAY:

@@ -5,10 +5,8 @@
 // chunks in order.
 #include "base/parallel.h"
 
-#include <pthread.h>
+#include <math.h>
 #include <sched.h>
-#include <stdatomic.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -16,39 +14,10 @@
 #include <xmmintrin.h>
 #endif
 
+#include "base/parallel_pool.h"
 #include "base/stats.h"
 
-enum {
-    THREADS_MAX = 1024,
-    CHUNKS_NOTED = 4096  // chunks of a loop whose times are kept; a loop of more chunks is balanced
-                         // anyway
-};
-
-struct parallel {
-    int threads;
-    int started;  // number of helper threads that run; at most threads - 1
-    pthread_t *helpers;
-    pthread_mutex_t mutex;
-    pthread_cond_t wake, done;
-    uint64_t generation;  // guarded by mutex: number of loops so far
-    int busy;             // guarded by mutex: helpers still in the current loop
-    bool quit;            // guarded by mutex
-    int next_worker;      // guarded by mutex: next worker number to assign at start
-
-    parallel_fn fn;
-    void *ctx;
-    size_t n, chunk_size, chunks;
-    atomic_size_t next_chunk, finished;
-    atomic_bool cancelled;
-    parallel_progress_fn progress;
-    void *progress_user;
-
-    double *worker_spent;       // CPU seconds of each worker in the current loop
-    float spent[CHUNKS_NOTED];  // CPU seconds of its first chunks
-    struct parallel_part part[PARALLEL_PARTS_MAX];
-    int part_count, current;  // number of parts; index of the current one
-    double wall, cpu;  // times of the two clocks up to which the current part is accounted for
-};
+enum { THREADS_MAX = 1024 };
 
 // Sets FTZ and DAZ: denormals cost hundreds of cycles each, and Embree asks for both flags on every
 // thread that traces rays.
@@ -59,10 +28,14 @@ static void flush_denormals(void) {
 }
 
 bool parallel_cancelled(struct parallel *pool, int worker) {
-    if (atomic_load(&pool->cancelled)) return true;
+    if (atomic_load(&pool->cancelled) || pool->division.status != SATIN_OK) {
+        atomic_store(&pool->cancelled, true);
+        return true;
+    }
     if (worker != 0 || !pool->progress) return false;
-    const double fraction =
-        pool->chunks ? (double)atomic_load(&pool->finished) / (double)pool->chunks : 1.0;
+    const struct satin_ranks *ranks = pool->division.running ? pool->division.ranks : NULL;
+    const double finished = (double)atomic_load(&pool->finished) * (ranks ? ranks->count : 1);
+    const double fraction = pool->chunks ? fmin(finished / (double)pool->chunks, 1.0) : 1.0;
     if (!pool->progress(pool->progress_user, fraction)) return false;
     atomic_store(&pool->cancelled, true);
     return true;
@@ -77,7 +50,8 @@ static size_t noted_chunks(const struct parallel *pool) {
 static void run_chunks(struct parallel *pool, int worker) {
     double sum = 0.0, before = stats_thread();
     while (!parallel_cancelled(pool, worker)) {
-        size_t chunk = atomic_fetch_add(&pool->next_chunk, 1);
+        size_t chunk = pool->division.running ? parallel_take_chunk(pool)
+                                              : atomic_fetch_add(&pool->next_chunk, 1);
         if (chunk >= pool->chunks) break;
         size_t begin = chunk * pool->chunk_size;
         size_t end = pool->n - begin > pool->chunk_size ? begin + pool->chunk_size : pool->n;
@@ -88,6 +62,7 @@ static void run_chunks(struct parallel *pool, int worker) {
         sum += after - before;
         before = after;
     }
+    if (pool->division.running && atomic_load(&pool->cancelled)) parallel_close_chunks(pool);
     pool->worker_spent[worker] = sum;
 }
 
@@ -132,6 +107,7 @@ struct parallel *parallel_new(int threads) {
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->wake, NULL);
     pthread_cond_init(&pool->done, NULL);
+    pthread_mutex_init(&pool->division.mutex, NULL);
     flush_denormals();
     pool->part[pool->part_count++].name = "other";
     pool->wall = stats_wall();
@@ -162,6 +138,7 @@ void parallel_free(struct parallel *pool) {
     pthread_cond_destroy(&pool->done);
     pthread_cond_destroy(&pool->wake);
     pthread_mutex_destroy(&pool->mutex);
+    pthread_mutex_destroy(&pool->division.mutex);
     free(pool->helpers);
     free(pool->worker_spent);
     free(pool);
@@ -265,6 +242,9 @@ bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_f
     } else {
         run_chunks(pool, 0);
     }
+    if (pool->division.agree && pool->progress)
+        atomic_store(&pool->cancelled, pool->division.agree(pool->division.agree_user,
+                                                            atomic_load(&pool->cancelled)));
     account_loop(pool);
     return !atomic_load(&pool->cancelled);
 }

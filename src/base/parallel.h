@@ -9,6 +9,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/bytes.h"
+#include "satin/ranks.h"
+#include "satin/types.h"
+
 struct parallel;
 
 // Processes items [begin, end) of one chunk; `worker` in [0, parallel_threads()) selects its
@@ -47,6 +51,60 @@ void parallel_for_all(struct parallel *pool, size_t n, size_t chunk_size, parall
 bool parallel_cancelled(struct parallel *pool, int worker);
 // Whether a cancellation was found, without calling the progress function.
 bool parallel_stopped(const struct parallel *pool);
+
+// ---- Loops whose results can be computed elsewhere (parallel_results.c) -------------------------
+
+// An array that has an element for each item of a loop.
+struct parallel_slot {
+    void *items;  // NULL: no array
+    size_t size;  // of an element in bytes
+};
+enum { PARALLEL_SLOTS = 7 };
+
+// All that the items of a loop leave behind: elements of arrays, or what two functions convert.
+struct parallel_results {
+    struct parallel_slot slot[PARALLEL_SLOTS];
+    // Appends the results of items [begin, end), a chunk of the loop that has been run. NULL: all
+    // results are in the slots.
+    void (*pack)(void *ctx, size_t begin, size_t end, struct bytes *out);
+    // Does what running the chunk would do. False if there is no memory.
+    bool (*unpack)(void *ctx, size_t begin, size_t end, struct bytes_reader *in);
+    bool if_cancelled;  // whether the chunks that were begun are of use if the loop is cancelled
+    bool journaled;     // whether the results are written to the journal
+};
+
+// Keeps the results of loops, so that a later process need not run them again.
+struct parallel_journal {
+    void *user;
+    // Sets *out to the results of the next loop and returns true, or returns false if there are no
+    // further ones.
+    bool (*read)(void *user, struct bytes *out);
+    // Appends the results of a loop.
+    void (*write)(void *user, const struct bytes *results);
+};
+
+// Sets the ranks that divide the loops with results; NULL: this process is alone. A loop is
+// cancelled on all of them if it is on one. `agree` is called by all ranks after each loop that can
+// be cancelled, and returns whether it is cancelled on any.
+void parallel_set_ranks(struct parallel *pool, const struct satin_ranks *ranks,
+                        bool (*agree)(void *user, bool cancelled), void *user);
+const struct satin_ranks *parallel_ranks(const struct parallel *pool);
+// Only rank 0 has a journal, of which `any` says on all ranks whether there is one. The struct must
+// stay valid.
+void parallel_set_journal(struct parallel *pool, const struct parallel_journal *journal, bool any);
+// SATIN_ERROR_MEMORY if there was no memory for the results of a loop, SATIN_ERROR_INPUT if those
+// of the journal are not of that loop; else SATIN_OK. After a failure all loops are cancelled.
+satin_status parallel_status(const struct parallel *pool);
+
+// Does what parallel_for does, but a chunk may be run by another rank, or its results may be read
+// from the journal. In the end all ranks have the results of all chunks. Chunks must read nothing
+// that other chunks of the loop write.
+bool parallel_for_results(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
+                          void *ctx, const struct parallel_results *results);
+// Returns `found` of rank 0 on all ranks, and if it is true copies the bytes of rank 0 to them.
+bool parallel_broadcast(struct parallel *pool, bool found, struct bytes *bytes);
+// Replaces each of the values by its sum over all ranks.
+void parallel_sum(struct parallel *pool, uint64_t *values, size_t count);
 
 // ---- Where the CPU time goes --------------------------------------------------------------------
 

@@ -166,7 +166,14 @@ satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
     project_rule_make(&build.rule);
     build.points = array_new((size_t)parallel_threads(pool), sizeof *build.points);
     satin_status status = t && build.points ? SATIN_OK : SATIN_ERROR_MEMORY;
-    if (!status && !parallel_for(pool, t->nodes, 4, build_nodes, &build)) status = SATIN_CANCELLED;
+    struct parallel_results nodes = {.journaled = true};
+    if (!status) {
+        nodes.slot[0] =
+            (struct parallel_slot){t->c, (size_t)t->channels * t->stride * sizeof *t->c};
+        nodes.slot[1] = (struct parallel_slot){t->order, sizeof *t->order};
+    }
+    if (!status && !parallel_for_results(pool, t->nodes, 4, build_nodes, &build, &nodes))
+        status = SATIN_CANCELLED;
     free(build.points);
     if (status)
         brdf_table_free(t);

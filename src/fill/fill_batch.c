@@ -239,6 +239,43 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
+// ---- Results of a job as bytes ------------------------------------------------------------------
+
+// Appends all of a job that inserting it reads. The job's pointers are set by choose_batch.
+static void pack_jobs(void *ctx, size_t begin, size_t end, struct bytes *out) {
+    const struct batch *b = ctx;
+    const size_t lanes = (size_t)(b->store->order * b->store->order * CACHE_LANES);
+    for (const struct job *job = b->job + begin; job < b->job + end; job++) {
+        bytes_put(out, &job->irradiance, sizeof job->irradiance);
+        bytes_put(out, &job->radiance.rays, sizeof job->radiance.rays);
+        bytes_put(out, &job->residual, sizeof job->residual);
+        bytes_put(out, &job->around, sizeof job->around);
+        bytes_put(out, &job->extent, sizeof job->extent);
+        bytes_put(out, &job->refused, sizeof job->refused);
+        bytes_put(out, &job->valid, sizeof job->valid);
+        if (job->value) bytes_put(out, job->value, lanes * sizeof *job->value);
+    }
+}
+
+static bool unpack_jobs(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+    const struct batch *b = ctx;
+    const size_t lanes = (size_t)(b->store->order * b->store->order * CACHE_LANES);
+    for (struct job *job = b->job + begin; job < b->job + end; job++) {
+        bytes_get(in, &job->irradiance, sizeof job->irradiance);
+        bytes_get(in, &job->radiance.rays, sizeof job->radiance.rays);
+        bytes_get(in, &job->residual, sizeof job->residual);
+        bytes_get(in, &job->around, sizeof job->around);
+        bytes_get(in, &job->extent, sizeof job->extent);
+        bytes_get(in, &job->refused, sizeof job->refused);
+        bytes_get(in, &job->valid, sizeof job->valid);
+        if (job->value) bytes_get(in, job->value, lanes * sizeof *job->value);
+    }
+    return true;
+}
+
+static const struct parallel_results jobs_results = {
+    .pack = pack_jobs, .unpack = unpack_jobs, .journaled = true};
+
 // ---- Inserting ----------------------------------------------------------------------------------
 
 // The scale of a new record among adapted ones: 1.4 times that of the nearest one [K05 6.3.2].
@@ -328,7 +365,8 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
         parallel_begin_part(fill->pool, "gather");
         if (whole && !allocate_values(b)) status = SATIN_ERROR_MEMORY;
         if (status != SATIN_OK) break;
-        whole = whole && parallel_for(fill->pool, (size_t)b->count, 1, gather_jobs, b);
+        whole = whole && parallel_for_results(fill->pool, (size_t)b->count, 1, gather_jobs, b,
+                                              &jobs_results);
         parallel_begin_part(fill->pool, "insert");
         if (!whole) status = SATIN_CANCELLED;
         for (struct job *job = b->job; job < b->job + b->count && status == SATIN_OK; job++) {

@@ -110,10 +110,13 @@ satin_status gather_direct_build(const struct gather *g, struct parallel *pool,
     direct.similar = array_new(direct.count, sizeof *direct.similar);
     float *noise2 = array_new(direct.count, sizeof *noise2);
     struct direct_job job = {g, &direct, noise2};
+    const struct parallel_results lit = {
+        .slot = {{direct.E, sizeof *direct.E}, {noise2, sizeof *noise2}}, .journaled = true};
     satin_status status = SATIN_OK;
     if (!direct.E || !direct.similar || !noise2)
         status = SATIN_ERROR_MEMORY;
-    else if (!parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, light_entries, &job) ||
+    else if (!parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, light_entries, &job,
+                                   &lit) ||
              !parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &job))
         status = SATIN_CANCELLED;
     free(noise2);

@@ -183,6 +183,30 @@ static void trace_skies(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
+// The results of a cell: its mean squares, and how much of what it faces is hidden.
+static void pack_sky(void *ctx, size_t begin, size_t end, struct bytes *out) {
+    const struct learning *l = ctx;
+    for (size_t i = begin; i < end; i++) {
+        for (size_t bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
+            bytes_put(out, &l->square[i + l->cells * bin], sizeof *l->square);
+        bytes_put(out, &l->visibility->histogram[i].fraction, sizeof(float));
+    }
+}
+
+static bool unpack_sky(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+    const struct learning *l = ctx;
+    for (size_t i = begin; i < end; i++) {
+        for (size_t bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
+            bytes_get(in, &l->square[i + l->cells * bin], sizeof *l->square);
+        float fraction;
+        bytes_get(in, &fraction, sizeof fraction);
+        if (fraction > 0.0f)
+            l->visibility->histogram[i] =
+                (struct light_histogram){fraction, &l->visibility->bins[i]};
+    }
+    return true;
+}
+
 static void learn_choices(void *ctx, size_t begin, size_t end, int worker) {
     const struct learning *l = ctx;
     (void)worker;
@@ -194,17 +218,22 @@ static void learn_choices(void *ctx, size_t begin, size_t end, int worker) {
 
 // Lights are chosen by samples that go by what is visible of the environment.
 static satin_status learn(struct learning *l, struct parallel *pool) {
-    const struct guide_visibility *visibility = l->visibility;
+    struct guide_visibility *visibility = l->visibility;
     bool done = true;
     if (visibility->sky) {
         l->square = array_new(l->cells * LIGHT_HISTOGRAM_BINS, sizeof *l->square);
         if (!l->square) return SATIN_ERROR_MEMORY;
-        done = parallel_for(pool, l->cells, 1, trace_skies, l) &&
+        const struct parallel_results skies = {
+            .pack = pack_sky, .unpack = unpack_sky, .journaled = true};
+        done = parallel_for_results(pool, l->cells, 1, trace_skies, l, &skies) &&
                parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
                parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
         free(l->square);
     }
-    if (done && visibility->choice) done = parallel_for(pool, l->cells, 1, learn_choices, l);
+    const struct parallel_results choices = {
+        .slot = {{visibility->visible, sizeof *visibility->visible}}, .journaled = true};
+    if (done && visibility->choice)
+        done = parallel_for_results(pool, l->cells, 1, learn_choices, l, &choices);
     return done ? SATIN_OK : SATIN_CANCELLED;
 }
 

@@ -121,6 +121,8 @@ satin_status photon_progressive_new(const struct photon_request *request, struct
                                     struct log log, struct stats *stats,
                                     struct photon_progressive **out);
 void photon_progressive_free(struct photon_progressive *progressive);  // NULL is allowed
+// Lets the next pass be the one after so many more, whose photons are not traced.
+void photon_progressive_skip(struct photon_progressive *progressive, uint32_t passes);
 // Replaces the photons by those of the next pass, which have smaller radii. On failure,
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY, the present pass remains.
 satin_status photon_progressive_next(struct photon_progressive *progressive, struct parallel *pool,

@@ -42,8 +42,8 @@ enum {
 struct precompute_job {
     const struct photon_precompute *what;
     struct photon_irradiance *out;
+    uint8_t *refused;  // by entry: whether its estimate is not finite
     atomic_bool failed;
-    atomic_size_t refused;  // estimates that are not finite
 };
 
 static struct photon_query query_of(const struct photon_precompute *what, size_t entry) {
@@ -94,7 +94,7 @@ static void precompute_one(struct precompute_job *job, size_t entry,
     const rgb E = photon_disc_irradiance(&disc);
     // If the map has fewer than k photons, the radius is infinite and the estimate not reliable.
     const bool valid = rgb_finite(E) && disc.r >= 0.0f;
-    if (!valid) atomic_fetch_add(&job->refused, 1);
+    job->refused[entry] = !valid;
     job->out->E[entry] = valid ? E : rgb_grey(0.0f);
     if (job->out->last) job->out->last[entry] = valid ? photon_disc_last(&disc) : rgb_grey(0.0f);
     job->out->radius[entry] = valid ? disc.r : INFINITY;
@@ -191,6 +191,33 @@ static bool index_rows(const struct photon_precompute *what, struct parallel *po
     return r->index != NULL;
 }
 
+// Computes all entries and counts those that are refused.
+static satin_status precompute_entries(const struct photon_precompute *what, struct parallel *pool,
+                                       struct photon_irradiance *r) {
+    const struct photon_map *map = what->map;
+    uint8_t *refused = array_new(r->count, 1);
+    if (!refused) return SATIN_ERROR_MEMORY;
+    struct precompute_job job = {.what = what, .out = r, .refused = refused};
+    atomic_init(&job.failed, false);
+    const struct parallel_results entries = {
+        .slot = {{map->whole_disc, 1},
+                 {r->E, sizeof *r->E},
+                 {r->last, sizeof *r->last},
+                 {r->radius, sizeof *r->radius},
+                 {r->ring, sizeof *r->ring},
+                 {r->position.clear, sizeof *r->position.clear},
+                 {refused, 1}},
+        .journaled = true};
+    satin_status status = SATIN_OK;
+    if (!parallel_for_results(pool, r->count, IRRADIANCE_CHUNK, precompute_chunk, &job, &entries))
+        status = SATIN_CANCELLED;
+    else if (atomic_load(&job.failed))
+        status = SATIN_ERROR_MEMORY;
+    for (size_t i = 0; i < r->count; i++) r->refused += refused[i];
+    free(refused);
+    return status;
+}
+
 satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
                                      struct log log, struct photon_irradiance *out) {
     struct photon_map *map = what->map;
@@ -213,16 +240,8 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
     if (map->whole_disc && r.position.row && r.E && r.radius && (r.ring || r.ends) &&
         r.position.clear && (r.last || !map->limited)) {
-        struct precompute_job job = {.what = what, .out = &r};
-        atomic_init(&job.failed, false);
-        atomic_init(&job.refused, 0);
         status = r.ends ? photon_map_find_radii(map, what->k, pool) : SATIN_OK;
-        if (status == SATIN_OK &&
-            !parallel_for(pool, r.count, IRRADIANCE_CHUNK, precompute_chunk, &job))
-            status = SATIN_CANCELLED;
-        else if (atomic_load(&job.failed))
-            status = SATIN_ERROR_MEMORY;
-        r.refused = atomic_load(&job.refused);
+        if (status == SATIN_OK) status = precompute_entries(what, pool, &r);
     }
     if (status == SATIN_OK && !index_rows(what, pool, &r))
         status = parallel_stopped(pool) ? SATIN_CANCELLED : SATIN_ERROR_MEMORY;

@@ -137,6 +137,16 @@ void photon_progressive_free(struct photon_progressive *p) {
     free(p);
 }
 
+// Shrinks the discs from those of the last pass to those of the next one.
+static void begin_pass(struct photon_progressive *p) {
+    if (p->passes) p->shrink2 *= (float)(((double)p->passes + ALPHA) / ((double)p->passes + 1.0));
+    p->passes++;
+}
+
+void photon_progressive_skip(struct photon_progressive *p, uint32_t passes) {
+    for (uint32_t i = 0; i < passes; i++) begin_pass(p);
+}
+
 satin_status photon_progressive_next(struct photon_progressive *p, struct parallel *pool,
                                      struct log log, struct stats *stats) {
     struct photon_map map[PROGRESSIVE_MAPS] = {{0}};
@@ -147,8 +157,7 @@ satin_status photon_progressive_next(struct photon_progressive *p, struct parall
     }
     free_pass(p->map);
     for (int i = 0; i < PROGRESSIVE_MAPS; i++) p->map[i] = map[i];
-    if (p->passes) p->shrink2 *= (float)(((double)p->passes + ALPHA) / ((double)p->passes + 1.0));
-    p->passes++;
+    begin_pass(p);
     return SATIN_OK;
 }
 

@@ -46,8 +46,11 @@ satin_status photon_map_find_radii(struct photon_map *map, int k, struct paralle
     struct radii_job job = {.map = map, .k = k};
     job.radius2 = array_new_unset(map->count, sizeof *job.radius2);
     if (!job.radius2) return SATIN_ERROR_MEMORY;
+    const struct parallel_results radii = {.slot = {{job.radius2, sizeof *job.radius2}},
+                                           .journaled = true};
     satin_status status = SATIN_OK;
-    if (!parallel_for(pool, map->count, RADII_CHUNK, find_radii, &job)) status = SATIN_CANCELLED;
+    if (!parallel_for_results(pool, map->count, RADII_CHUNK, find_radii, &job, &radii))
+        status = SATIN_CANCELLED;
     if (atomic_load(&job.failed)) status = SATIN_ERROR_MEMORY;
     if (status == SATIN_OK)
         map->radius2 = job.radius2;

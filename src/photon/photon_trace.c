@@ -279,6 +279,42 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
         atomic_store(&run->failed, true);
 }
 
+// The photons of a chunk as bytes: their counts, then the hits of each consumer.
+static void pack_photons(void *ctx, size_t begin, size_t end, struct bytes *out) {
+    const struct run *run = ctx;
+    const struct chunk *chunk = &run->chunk[begin / run->chunk_paths];
+    (void)end;
+    bytes_put_u64(out, chunk->refused);
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) {
+        const struct consumer_photons *photons = &chunk->photons[k];
+        bytes_put_u64(out, photons->count);
+        bytes_put(out, photons->stored, sizeof photons->stored);
+        bytes_put(out, photons->hit, photons->count * sizeof *photons->hit);
+    }
+}
+
+static bool unpack_photons(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+    struct run *run = ctx;
+    struct chunk *chunk = &run->chunk[begin / run->chunk_paths];
+    size_t own = 0;
+    (void)end;
+    chunk->refused = bytes_get_u64(in);
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) {
+        struct consumer_photons *photons = &chunk->photons[k];
+        const uint64_t count = bytes_get_u64(in);
+        bytes_get(in, photons->stored, sizeof photons->stored);
+        if (in->failed || count > in->left / sizeof *photons->hit) return false;
+        photons->count = photons->capacity = (size_t)count;
+        own += photons->count;
+        if (count == 0) continue;
+        photons->hit = malloc(photons->count * sizeof *photons->hit);
+        if (!photons->hit) return false;
+        bytes_get(in, photons->hit, photons->count * sizeof *photons->hit);
+    }
+    if (atomic_fetch_add(&run->count, own) + own > INT_MAX) atomic_store(&run->failed, true);
+    return true;
+}
+
 struct joining {
     struct run *run;
     int consumer;
@@ -329,7 +365,10 @@ static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_CO
     run->chunk = array_new(chunks, sizeof *run->chunk);
     if (!run->chunk) return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
-    if (!parallel_for(run->pool, paths, run->chunk_paths, trace_photon_paths, run))
+    const struct parallel_results photons = {
+        .pack = pack_photons, .unpack = unpack_photons, .journaled = true};
+    if (!parallel_for_results(run->pool, paths, run->chunk_paths, trace_photon_paths, run,
+                              &photons))
         status = SATIN_CANCELLED;
     else if (atomic_load(&run->failed))
         status = SATIN_ERROR_MEMORY;

@@ -27,6 +27,7 @@ static struct render *render_new(const satin_callbacks *callbacks) {
 static void render_free(struct render *r) {
     if (!r) return;
     render_snapshot_free(r->snapshot);
+    render_checkpoint_free(r);
     render_image_free(r->image);
     shade_destroy(&r->second_pass.shade);
     fill_free(r->second_pass.fill);
@@ -56,6 +57,7 @@ static satin_status start_threads(struct render *r) {
     r->pool = parallel_new(r->options.threads);
     if (!r->pool) return log_fail(r->log, SATIN_ERROR_MEMORY, "threads could not be started");
     render_progress_install(r);
+    render_ranks_install(r);
     return SATIN_OK;
 }
 
@@ -72,7 +74,8 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     status = render_film_check(&r->scene, &r->second_pass.options, r->log);
     if (status != SATIN_OK) return status;
     camera_check(&r->scene, r->log);
-    return allocate_image(r);
+    status = allocate_image(r);
+    return status == SATIN_OK ? render_checkpoint_open(r) : status;
 }
 
 // After the course has changed to path tracing: the film gets the channels of that integrator.
@@ -151,7 +154,8 @@ static satin_status finish_film(struct render *r, satin_status status, satin_fil
     *out = r->image->film;
     r->image->film = NULL;
     if (status == SATIN_OK) status = r->outcome.denoised;
-    return status == SATIN_OK ? r->outcome.saved : status;
+    if (status == SATIN_OK) status = r->outcome.saved;
+    return status == SATIN_OK ? r->outcome.checkpointed : status;
 }
 
 satin_status satin_render(const satin_scene *scene, const satin_options *options,
@@ -167,6 +171,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = prepare_second_pass(r);
     if (status == SATIN_OK && render_steps(r)->records) status = render_records(r);
     if (status == SATIN_OK) status = sample_image(r);
+    if (r) status = render_checkpoint_check(r, status);
     if (status == SATIN_CANCELLED) status = render_coarse(r);
     if (r) status = finish_film(r, status, &film);
     if (status == SATIN_ERROR_MEMORY && !(r && r->outcome.error_logged)) {

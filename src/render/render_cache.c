@@ -79,7 +79,6 @@ static struct cache_provenance provenance_of(const struct render *r, char **opti
 
 satin_status render_cache_open(struct render *r) {
     const char *path = r->callbacks.load_cache;
-    size_t size = 0;
     if ((path || r->callbacks.save_cache) && r->options.integrator != SATIN_TWO_PASS)
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "only the integrator two-pass has cache records");
@@ -92,10 +91,10 @@ satin_status render_cache_open(struct render *r) {
     satin_status status = SATIN_ERROR_MEMORY;
     if (options)
         status = fileio_read(r->log, (struct log_place){0}, path, BYTES_MAX,
-                             &r->second_pass.file_bytes, &size);
+                             &r->second_pass.file_bytes, &r->second_pass.file_size);
     if (status == SATIN_OK)
-        status =
-            cache_file_parse(r->second_pass.file_bytes, size, path, r->log, &r->second_pass.file);
+        status = cache_file_parse(r->second_pass.file_bytes, r->second_pass.file_size, path, r->log,
+                                  &r->second_pass.file);
     if (status == SATIN_OK)
         status = cache_file_check(r->second_pass.file, &provenance, path, r->log);
     free(options);
@@ -116,7 +115,7 @@ satin_status render_cache_load(struct render *r, bool *whole) {
 
 satin_status render_cache_save(const struct render *r) {
     const char *path = r->callbacks.save_cache;
-    if (!path) return SATIN_OK;
+    if (!path || !render_is_first(r)) return SATIN_OK;
     char *options;
     const struct cache_provenance provenance = provenance_of(r, &options);
     satin_status status = SATIN_ERROR_MEMORY;

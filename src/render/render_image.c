@@ -10,14 +10,6 @@
 
 #include "base/array.h"
 
-enum { ASK_SAMPLES = 32 };  // samples after which a worker checks for cancellation
-
-struct image_pass {
-    struct render *r;
-    struct shade_worker *worker;
-    int columns;
-};
-
 struct render_image *render_image_new(const struct satin_scene *scene,
                                       const satin_options *options) {
     const struct scene_aovs *aovs = &scene->hints.aovs;
@@ -59,94 +51,6 @@ void render_image_free(struct render_image *image) {
     free(image);
 }
 
-// The light by which the noise of a sample is measured. Lights seen directly are limited to white,
-// so that their rims do not take most samples.
-static rgb shown_light(const struct shade_sample *s) {
-    rgb e = s->layer[SHADE_EMISSION];
-    rgb shown = rgb_make(fminf(e.r, 1.0f), fminf(e.g, 1.0f), fminf(e.b, 1.0f));
-    return rgb_add(rgb_sub(s->beauty, e), shown);
-}
-
-// False if the sample was not finite and was dropped.
-static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) {
-    if (!shade_sample_finite(s)) {
-        pixel->dropped++;
-        return false;
-    }
-    pixel->samples++;
-    pixel->weight += s->weight;
-    pixel->beauty = rgb_mad(pixel->beauty, s->beauty, s->weight);
-    for (int i = 0; i < SHADE_LAYERS; i++)
-        pixel->layer[i] = rgb_mad(pixel->layer[i], s->layer[i], s->weight);
-    pixel->depth += s->weight * s->depth;
-    pixel->alpha += s->weight * s->alpha;
-    pixel->record += s->record;
-    pixel->used = cache_used_add(pixel->used, s->used);
-    return true;
-}
-
-// To be called after add_sample.
-static void add_to_block(struct render_image *image, size_t at, rgb value) {
-    struct image_blocks *blocks = &image->blocks[at];
-    blocks->begun = rgb_add(blocks->begun, value);
-    if (image->pixel[at].samples % image->block) return;
-    blocks->sums = rgb_add(blocks->sums, blocks->begun);
-    blocks->squares = rgb_fma(blocks->squares, blocks->begun, blocks->begun);
-    blocks->begun = rgb_grey(0.0f);
-}
-
-static void add_aovs(const struct render_image *image, size_t at, const struct shade_sample *s) {
-    const int values = image->aovs->values;
-    float *sum = image->aov + at * image->sums;
-    for (int i = 0; i < values; i++) sum[i] += s->weight * s->aov[i];
-    for (int i = 0; image->aovs->moment && i < values; i++)
-        sum[values + i] += s->weight * (s->aov[i] * s->aov[i]);
-}
-
-// Takes the samples of a pixel up to its target. False if that was stopped early. *asked counts
-// samples.
-static bool sample_pixel(const struct image_pass *pass, int x, int y, int worker, unsigned *asked) {
-    struct render_image *image = pass->r->image;
-    const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-    struct adaptive_pixel *adapt = &image->adapt.pixel[at];
-    shade_pixel_begin(&pass->worker[worker]);
-    while (adapt->count < adapt->target) {
-        struct shade_sample sample;
-        const struct gather_light_samples light_samples = {(int)adapt->light_samples,
-                                                           adapt->light_samples_taken};
-        shade_pixel(&pass->r->second_pass.shade, &pass->worker[worker], x, y, adapt->count,
-                    light_samples, &sample);
-        if (parallel_stopped(pass->r->pool)) return false;  // it may be incomplete
-        bool finite = add_sample(&image->pixel[at], &sample);
-        if (finite && image->aov) add_aovs(image, at, &sample);
-        if (finite && image->blocks) add_to_block(image, at, sample.beauty);
-        if (finite && image->uncached)
-            image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);
-        adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
-                     finite ? sample.light_variance : 0.0f);
-        // A late pass takes thousands of samples of every pixel.
-        if (++*asked % ASK_SAMPLES == 0 && parallel_cancelled(pass->r->pool, worker)) return false;
-    }
-    return true;
-}
-
-static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
-    struct image_pass *pass = ctx;
-    struct render_image *image = pass->r->image;
-    unsigned asked = 0;
-    bool whole = true;
-    for (size_t tile = begin; tile < end && whole; tile++) {
-        const int x0 = (int)(tile % (size_t)pass->columns) * IMAGE_TILE;
-        const int y0 = (int)(tile / (size_t)pass->columns) * IMAGE_TILE;
-        render_tile_begin(image, tile, worker);
-        shade_tile_begin(&pass->worker[worker]);
-        for (int y = y0; y < y0 + IMAGE_TILE && y < image->height && whole; y++)
-            for (int x = x0; x < x0 + IMAGE_TILE && x < image->width && whole; x++)
-                whole = sample_pixel(pass, x, y, worker, &asked);
-        render_tile_end(image, tile);
-    }
-}
-
 // Sets the targets of the next pass, which has *samples samples. False: the image is done.
 static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     struct render_image *image = r->image;
@@ -161,21 +65,8 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     return true;
 }
 
-static struct shade_counts sum_counts(const struct shade_worker *worker, int workers) {
-    struct shade_counts sum = {0};
-    for (int i = 0; i < workers; i++) {
-        sum.samples += worker[i].counts.samples;
-        sum.points += worker[i].counts.points;
-        sum.interpolated += worker[i].counts.interpolated;
-        sum.records_used += worker[i].counts.records_used;
-        sum.gathered += worker[i].counts.gathered;
-        sum.rays += worker[i].counts.rays;
-    }
-    return sum;
-}
-
-static void note_counts(struct render *r, const struct shade_worker *worker, int workers) {
-    const struct shade_counts sum = sum_counts(worker, workers);
+static void note_counts(struct render *r) {
+    const struct shade_counts sum = r->image->counts;
     stats_set(&r->stats, "image.samples", (double)sum.samples);
     stats_set(&r->stats, "image.points", (double)sum.points);
     stats_set(&r->stats, "image.interpolated", (double)sum.interpolated);
@@ -189,25 +80,12 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
 }
 
 // To be called after a pass: sets how many samples and light samples each pixel gets.
-static void plan_samples(struct image_pass *pass, int workers) {
-    struct render *r = pass->r;
+static void plan_samples(struct render *r) {
     parallel_begin_part(r->pool, "plan");
     adaptive_compare(&r->image->adapt);
     const satin_options *o = &r->second_pass.options;
     if (o->integrator != SATIN_TWO_PASS || !o->adaptive_sampling) return;
-    const struct shade_counts counts = sum_counts(pass->worker, workers);
-    adaptive_lights(&r->image->adapt, render_budget_sample_cost(&counts));
-}
-
-static bool run_pass(struct image_pass *pass) {
-    struct render_image *image = pass->r->image;
-    parallel_begin_part(pass->r->pool, "image");
-    size_t rows = (size_t)((image->height + IMAGE_TILE - 1) / IMAGE_TILE);
-    image->in_pass = true;
-    const bool whole =
-        parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
-    image->in_pass = false;
-    return whole;
+    adaptive_lights(&r->image->adapt, render_budget_sample_cost(&r->image->counts));
 }
 
 // Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
@@ -222,7 +100,7 @@ static bool take_first_samples(struct image_pass *pass) {
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         parallel_begin_part(r->pool, "plan");
         adaptive_equal(&r->image->adapt, stride, 1);
-        whole = run_pass(pass);
+        whole = render_pass_run(pass);
         r->image->has_first_samples |= whole;
         render_limit_restore(r, limit);
         if (!short_of_time) break;
@@ -241,46 +119,88 @@ satin_status render_shading(struct render *r, const struct cache *cache) {
                       render_budget_missing(&r->options), r->pool);
 }
 
+// Takes the photons of the first samples, and these samples, and plans the next pass from them.
+static satin_status begin_samples(struct image_pass *pass, double *per_sample) {
+    struct render *r = pass->r;
+    struct render_image *image = r->image;
+    const double start = stats_wall(), limit = render_limit_lift(r);
+    const satin_status status = render_pass_photons(r);
+    render_limit_restore(r, limit);
+    if (status != SATIN_OK) return status;
+    if (!take_first_samples(pass)) return SATIN_CANCELLED;
+    if (!image->taken) return SATIN_OK;
+    *per_sample = (stats_wall() - start) / (double)image->taken;
+    plan_samples(r);
+    return SATIN_OK;
+}
+
+// Ends the pass that has begun, and plans the next one.
+static void end_pass(struct render *r) {
+    struct render_image *image = r->image;
+    image->taken += image->begun;
+    image->begun = 0;
+    plan_samples(r);
+}
+
+static satin_status take_rims(struct render *r) {
+    const struct render_image *image = r->image;
+    const satin_options *o = &r->second_pass.options;
+    const uint64_t equal =
+        (uint64_t)render_budget_equal_samples(o) * (uint64_t)image->width * (uint64_t)image->height;
+    bool whole = true;
+    satin_status status = SATIN_OK;
+    if (image->taken >= equal && !gather_traces_paths(o)) status = render_rims(r, &whole);
+    return status == SATIN_OK && !whole ? SATIN_CANCELLED : status;
+}
+
+// Takes pass after pass. A restored image goes on in the pass that had begun, or after it.
+static satin_status take_passes(struct image_pass *pass, bool restored, double per_sample) {
+    struct render *r = pass->r;
+    struct render_image *image = r->image;
+    const double all = (double)r->options.spp * (double)image->width * (double)image->height;
+    satin_status status = restored && !image->begun ? take_rims(r) : SATIN_OK;
+    bool begun = restored && image->begun;
+    while (status == SATIN_OK && (begun || next_pass(r, per_sample, &image->begun))) {
+        const double start = stats_wall();
+        const uint64_t samples = image->begun;
+        render_stage_range(r, (double)image->taken / all, (double)samples / all);
+        if (begun || image->taken) status = render_pass_photons(r);
+        begun = false;
+        if (status == SATIN_OK && !render_pass_run(pass)) status = SATIN_CANCELLED;
+        if (status != SATIN_OK) break;
+        end_pass(r);
+        per_sample = (stats_wall() - start) / (double)samples;
+        status = take_rims(r);
+    }
+    return status;
+}
+
+// Samples the image, from the beginning or from where the checkpoint ends.
+static satin_status sample_passes(struct image_pass *pass) {
+    struct render *r = pass->r;
+    bool restored;
+    double per_sample = 0.0;
+    satin_status status = render_checkpoint_begin_image(r, &restored);
+    if (status == SATIN_OK && restored) render_skip_photons(r);
+    if (status == SATIN_OK && !restored) status = begin_samples(pass, &per_sample);
+    if (status != SATIN_OK || render_steps(r)->coarse) return status;
+    status = take_passes(pass, restored, per_sample);
+    if (status == SATIN_OK || status == SATIN_CANCELLED) render_checkpoint_write(r);
+    return status;
+}
+
 satin_status render_image_fill(struct render *r) {
     struct render_image *image = r->image;
-    const int workers = parallel_threads(r->pool);
-    struct image_pass pass = {.r = r, .columns = (image->width + IMAGE_TILE - 1) / IMAGE_TILE};
+    struct image_pass pass;
     image->adapt.pool = r->pool;
-    if (!render_snapshot_memory(r, image)) return SATIN_ERROR_MEMORY;
-    pass.worker = array_new((size_t)workers, sizeof *pass.worker);
-    if (!pass.worker) return SATIN_ERROR_MEMORY;
-    for (int i = 0; i < workers; i++) pass.worker[i].gather = r->second_pass.shade.worker[i];
-    const double all = (double)r->options.spp * (double)image->width * (double)image->height;
-    render_stage_begin(r, STAGE_IMAGE, all);
+    if (!render_snapshot_memory(r, image) || !render_pass_make(&pass, r)) return SATIN_ERROR_MEMORY;
+    render_stage_begin(r, STAGE_IMAGE,
+                       (double)r->options.spp * (double)image->width * (double)image->height);
     render_stage_range(r, 0.0, 1.0 / r->options.spp);
-    double start = stats_wall(), per_sample = 0.0;
-    const double limit = render_limit_lift(r);
-    satin_status status = render_pass_photons(r);
-    render_limit_restore(r, limit);
-    bool whole = status == SATIN_OK && take_first_samples(&pass);
-    uint64_t samples;
-    if (whole && image->taken) {
-        per_sample = (stats_wall() - start) / (double)image->taken;
-        plan_samples(&pass, workers);
-    }
-    const uint64_t equal = (uint64_t)render_budget_equal_samples(&r->second_pass.options) *
-                           (uint64_t)image->width * (uint64_t)image->height;
-    while (status == SATIN_OK && whole && !render_steps(r)->coarse &&
-           next_pass(r, per_sample, &samples)) {
-        start = stats_wall();
-        render_stage_range(r, (double)image->taken / all, (double)samples / all);
-        if (image->taken) status = render_pass_photons(r);
-        whole = status == SATIN_OK && run_pass(&pass);
-        if (!whole) break;
-        image->taken += samples;
-        per_sample = (stats_wall() - start) / (double)samples;
-        plan_samples(&pass, workers);
-        if (image->taken >= equal && !gather_traces_paths(&r->second_pass.options))
-            status = render_rims(r, &whole);
-    }
-    r->progress.items = (double)image->taken;
-    note_counts(r, pass.worker, workers);
-    free(pass.worker);
-    if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
-    return !whole && render_cancelled(r) ? SATIN_CANCELLED : SATIN_OK;
+    const satin_status status = sample_passes(&pass);
+    r->progress.items = (double)(image->taken + image->begun);
+    note_counts(r);
+    render_pass_destroy(&pass);
+    // A time limit ends the samples without cancelling the render.
+    return status == SATIN_CANCELLED && !render_cancelled(r) ? SATIN_OK : status;
 }

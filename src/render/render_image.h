@@ -3,6 +3,9 @@
 #ifndef RENDER_IMAGE_H
 #define RENDER_IMAGE_H
 
+#include <stdatomic.h>
+
+#include "base/bytes.h"
 #include "render/render_state.h"
 
 // The weighted sums of a pixel's samples.
@@ -60,7 +63,10 @@ struct render_image {
     struct adaptive_sampling adapt;
     struct image_blocks *blocks;  // of path, for its variance; else NULL
     uint32_t block;               // number of samples of a block, a power of two
-    uint64_t taken;               // number of samples
+    uint64_t taken;               // number of samples of all passes that have ended
+    uint64_t begun;               // number of samples of the pass that has begun, else 0
+    struct shade_counts counts;   // of all samples
+    atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     uint32_t rim_rays;            // of each pixel at a rim; 0: none was found so far
     int coarsest;                 // pixels between the first samples, a power of two
     bool has_first_samples;       // whether each of these pixels has a sample
@@ -108,6 +114,37 @@ void render_film_put(const struct render_image *image, const struct film_planes 
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).
 bool render_denoise_memory(struct render_image *image);
+
+// ---- Passes (render_image_pass.c)
+
+// What the workers of an image need.
+struct image_pass {
+    struct render *r;
+    struct image_worker *worker;
+    int columns;  // of tiles
+};
+
+// False if there is no memory.
+bool render_pass_make(struct image_pass *pass, struct render *r);
+void render_pass_destroy(struct image_pass *pass);
+// Takes samples until every pixel has its target. False if that was stopped early.
+bool render_pass_run(struct image_pass *pass);
+
+// ---- The state as bytes (render_image_state.c)
+
+// A rectangle of pixels [x0, x1) x [y0, y1).
+struct image_box {
+    int x0, y0, x1, y1;
+};
+// Appends all that the samples of the pixels have changed.
+void render_image_pack_box(const struct render_image *image, struct image_box box,
+                           struct bytes *out);
+void render_image_unpack_box(struct render_image *image, struct image_box box,
+                             struct bytes_reader *in);
+// Appends the whole state, from which sampling can go on.
+void render_image_pack(const struct render_image *image, struct bytes *out);
+// False if the bytes are not the state of such an image.
+bool render_image_unpack(struct render_image *image, const struct bytes *in);
 
 // Takes additional eye rays for emitted light where it varies between pixels, once per pixel, after
 // the samples that are distributed equally. *whole is false if it was stopped early.

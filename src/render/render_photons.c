@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first pass: as many photons as render_budget.h allows. If not even the first of them fit into
 // a time limit, as among thousands of surfaces at one position, render.c traces paths instead.
-#include "render/render_state.h"
+#include "render/render_image.h"
 
 // Whether the global map is read.
 static bool reads_photons(const satin_options *o) {
@@ -109,6 +109,12 @@ satin_status render_pass_photons(struct render *r) {
     stats_add(&r->stats, "photons.passes", status == SATIN_OK ? 1.0 : 0.0);
     stats_add(&r->stats, "photons.passes_s", stats_wall() - start);
     return status;
+}
+
+void render_skip_photons(struct render *r) {
+    const uint64_t pixels = (uint64_t)r->image->width * (uint64_t)r->image->height;
+    if (render_steps(r)->passes)
+        photon_progressive_skip(r->first_pass.progressive, (uint32_t)(r->image->taken / pixels));
 }
 
 satin_status render_photons(struct render *r) {

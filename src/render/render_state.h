@@ -83,14 +83,16 @@ struct render_second_pass {
     struct fill *fill;  // makes the records of the cache
     struct shade shade;
     char *file_bytes;         // contents of the caller's file of records, or NULL
+    size_t file_size;         // number of its bytes
     struct cache_file *file;  // its records
 };
 
 // Results of those steps of the render that do not end it.
 struct render_outcome {
-    satin_status saved;     // whether the records could be written to a file
-    satin_status denoised;  // whether the image was denoised, if that was requested
-    bool error_logged;      // whether an error was logged
+    satin_status saved;         // whether the records could be written to a file
+    satin_status checkpointed;  // whether the checkpoint could be written
+    satin_status denoised;      // whether the image was denoised, if that was requested
+    bool error_logged;          // whether an error was logged
 };
 
 struct render {
@@ -109,8 +111,9 @@ struct render {
     struct render_first_pass first_pass;
     struct render_second_pass second_pass;
     struct render_image *image;
-    struct render_snapshot *snapshot;  // NULL: there was none so far
-    struct film_denoiser *denoiser;    // NULL: the image is not denoised
+    struct render_snapshot *snapshot;      // NULL: there was none so far
+    struct film_denoiser *denoiser;        // NULL: the image is not denoised
+    struct render_checkpoint *checkpoint;  // NULL: there is none
     struct render_outcome outcome;
 };
 
@@ -154,6 +157,8 @@ struct gather render_gather(const struct render *r);
 satin_status render_direct(struct render *r);
 // If each pass of the image has new photons, traces those of the next pass.
 satin_status render_pass_photons(struct render *r);
+// If each pass has new photons, skips those of the passes that a restored image has.
+void render_skip_photons(struct render *r);
 
 // ---- render_bounces.c
 // If the first pass is `recursive`, makes the records of the indirect bounces, which gather rays
@@ -173,6 +178,35 @@ satin_status render_cache_open(struct render *r);
 satin_status render_cache_load(struct render *r, bool *whole);
 satin_status render_cache_save(const struct render *r);  // if the caller has named a file
 void render_cache_free(struct render *r);
+
+// ---- render_checkpoint.c: results that a later process need not compute again
+// Opens the caller's checkpoint, or makes a new one. From here on the pool writes to it what loops
+// have computed, or takes it from there.
+satin_status render_checkpoint_open(struct render *r);
+// The status of the render, whose loops may have been cancelled because their results could not be
+// taken from the checkpoint or from other ranks; logged.
+satin_status render_checkpoint_check(const struct render *r, satin_status status);
+void render_checkpoint_free(struct render *r);
+// Whether the caller has a checkpoint, on any rank.
+bool render_has_checkpoint(const struct render *r);
+// To be called when all before the image is done. *restored: the image is as it was when its state
+// was written. SATIN_ERROR_INPUT, logged, if that is damaged.
+satin_status render_checkpoint_begin_image(struct render *r, bool *restored);
+// Whether the running pass of the image should stop, so that the state of the image is written.
+bool render_checkpoint_due(struct render *r);
+// To be called after a pass has stopped. If that was for the checkpoint, writes the state of the
+// image and returns true: the pass is to go on.
+bool render_checkpoint_pause(struct render *r);
+// Writes the state of the image, if there is a checkpoint.
+void render_checkpoint_write(struct render *r);
+
+// ---- render_ranks.c: several processes
+// Whether this process writes files and messages: it is alone, or rank 0.
+bool render_is_first(const struct render *r);
+// Makes the pool divide its loops between the caller's ranks.
+void render_ranks_install(struct render *r);
+// The status of rank 0 on all ranks.
+satin_status render_ranks_status(const struct render *r, satin_status status);
 
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine, or from the caller's file; then

@@ -72,6 +72,15 @@ struct shade_counts {
     uint64_t samples, points, interpolated, records_used, gathered, rays;
 };
 
+static inline void shade_counts_add(struct shade_counts *sum, const struct shade_counts *more) {
+    sum->samples += more->samples;
+    sum->points += more->points;
+    sum->interpolated += more->interpolated;
+    sum->records_used += more->records_used;
+    sum->gathered += more->gathered;
+    sum->rays += more->rays;
+}
+
 // Values that the samples of a pixel have in common (shade_pixel_cache.h).
 enum { SHADE_PIXEL_VALUES = 4 };
 struct shade_pixel_cache {

@@ -4,21 +4,21 @@
 
 #include "mesh_case.h"
 
-struct bytes {
+struct mesh_bytes {
     unsigned char byte[8192];
     size_t size;
 };
 
-static void load_mesh_serialized_put(struct bytes *b, const void *data, size_t size) {
+static void load_mesh_serialized_put(struct mesh_bytes *b, const void *data, size_t size) {
     memcpy(b->byte + b->size, data, size);
     b->size += size;
 }
 
-static void put_integer(struct bytes *b, uint64_t value, size_t size) {
+static void put_integer(struct mesh_bytes *b, uint64_t value, size_t size) {
     for (size_t i = 0; i < size; i++) b->byte[b->size++] = (unsigned char)(value >> 8 * i);
 }
 
-static void put_real(struct bytes *b, double value, bool wide) {
+static void put_real(struct mesh_bytes *b, double value, bool wide) {
     float narrow = (float)value;
     if (wide)
         load_mesh_serialized_put(b, &value, sizeof value);
@@ -34,9 +34,9 @@ struct load_mesh_serialized_fault {
 };
 
 // Appends a triangle with normals, uv and colours; z is that of its plane.
-static void put_mesh(struct bytes *file, int version, bool wide, double z,
+static void put_mesh(struct mesh_bytes *file, int version, bool wide, double z,
                      struct load_mesh_serialized_fault fault) {
-    struct bytes raw = {.size = 0};
+    struct mesh_bytes raw = {.size = 0};
     put_integer(&raw, (wide ? 0x2000 : 0x1000) | 1 | 2 | 8, 4);
     if (version == 4) load_mesh_serialized_put(&raw, "name", 5);
     put_integer(&raw, fault.vertices ? fault.vertices : 3, 8);
@@ -56,9 +56,9 @@ static void put_mesh(struct bytes *file, int version, bool wide, double z,
     file->size += packed;
 }
 
-static void put_file(struct bytes *file, int version, bool wide) {
+static void put_file(struct mesh_bytes *file, int version, bool wide) {
     size_t start[3];
-    *file = (struct bytes){.size = 0};
+    *file = (struct mesh_bytes){.size = 0};
     for (int i = 0; i < 3; i++) {
         start[i] = file->size;
         put_mesh(file, version, wide, i, (struct load_mesh_serialized_fault){0});
@@ -67,8 +67,8 @@ static void put_file(struct bytes *file, int version, bool wide) {
     put_integer(file, 3, 4);
 }
 
-static satin_status load_mesh_serialized_read_index(struct mesh_case *c, const struct bytes *file,
-                                                    int index) {
+static satin_status load_mesh_serialized_read_index(struct mesh_case *c,
+                                                    const struct mesh_bytes *file, int index) {
     struct mesh_request request = mesh_case_plain();
     request.shape_index = index;
     return mesh_case_read(c, load_mesh_serialized, request, file->byte, file->size);
@@ -79,7 +79,7 @@ static void versions_and_precisions_are_read(void **state) {
     for (int version = 3; version <= 4; version++)
         for (int wide = 0; wide < 2; wide++)
             for (int i = 0; i < 3; i++) {
-                struct bytes file;
+                struct mesh_bytes file;
                 struct mesh_case c;
                 put_file(&file, version, wide);
                 assert_int_equal(load_mesh_serialized_read_index(&c, &file, i), SATIN_OK);
@@ -94,7 +94,7 @@ static void versions_and_precisions_are_read(void **state) {
             }
 }
 
-static void refuse_index(const struct bytes *file, int index, const char *message) {
+static void refuse_index(const struct mesh_bytes *file, int index, const char *message) {
     struct mesh_case c;
     assert_int_equal(load_mesh_serialized_read_index(&c, file, index), SATIN_ERROR_INPUT);
     assert_string_equal(c.log.error, message);
@@ -104,7 +104,7 @@ static void refuse_index(const struct bytes *file, int index, const char *messag
 static void a_bad_table_is_refused(void **state) {
     (void)state;
     for (int version = 3; version <= 4; version++) {
-        struct bytes file;
+        struct mesh_bytes file;
         put_file(&file, version, false);
         refuse_index(&file, 3, "mesh: there is no mesh 3 in it, only 0 to 2");
         refuse_index(&file, -1, "mesh: there is no mesh -1 in it, only 0 to 2");
@@ -121,14 +121,14 @@ static void a_bad_table_is_refused(void **state) {
 }
 
 static void refuse_mesh(struct load_mesh_serialized_fault fault, const char *message) {
-    struct bytes file = {.size = 0};
+    struct mesh_bytes file = {.size = 0};
     put_mesh(&file, 4, false, 0.0, fault);
     mesh_case_refuse(load_mesh_serialized, file.byte, file.size, message);
 }
 
 static void damaged_serialized_meshes_are_refused(void **state) {
     (void)state;
-    struct bytes file = {.size = 0};
+    struct mesh_bytes file = {.size = 0};
     put_mesh(&file, 4, true, 0.0, (struct load_mesh_serialized_fault){0});
     // The last bytes are zlib's checksum and the end of the block, which are not read.
     for (size_t cut = 0; cut + 8 < file.size; cut++)

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// A checkpoint: the results of loops, and the state of the image. A render that resumes runs all
+// steps as one from the beginning does, and makes the same decisions, but takes the results of its
+// loops from the checkpoint as far as it has them. So it goes on as if it had not been interrupted.
+//
+// The state of the image is not that of a loop: samples are added to it. It is written every so
+// often between the tiles of a pass, where all pixels have all or none of the samples of the pass.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/fileio.h"
+#include "base/text.h"
+#include "render/options_table.h"
+#include "render/render_checkpoint_file.h"
+#include "render/render_image.h"
+
+static const double SECONDS = 60.0;  // between two states of the image
+
+struct render_checkpoint {
+    struct checkpoint_file *file;     // NULL: another rank has it, or it cannot be written
+    struct parallel_journal journal;  // of the pool
+    char *identity;                   // of this render, from malloc
+    bool resumed;                     // the file has existed before
+    bool reading;                     // its entries are read; else they are written
+    bool due;                         // a pass was stopped so that its state is written
+    double written;                   // wall clock when the state of the image was written
+};
+
+bool render_has_checkpoint(const struct render *r) { return r->callbacks.checkpoint; }
+
+// ---- What must be equal -------------------------------------------------------------------------
+
+// Options that do not affect the image.
+static bool affects_image(const char *option) { return !text_same_name(option, "threads"); }
+
+// All that the image depends on, as `name=value` words. From malloc; NULL if there is no memory.
+static char *identity_of(const struct render *r) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return NULL;
+    const uint64_t records =
+        fileio_hash_large(FILEIO_HASH, r->second_pass.file_bytes, r->second_pass.file_size);
+    fprintf(out, "version=%s scene=%016llx records=%016llx ", SATIN_VERSION,
+            (unsigned long long)r->scene.hash, (unsigned long long)records);
+    options_print_words(out, &r->options, affects_image);
+    if (fclose(out) == 0) return text;
+    free(text);
+    return NULL;
+}
+
+// A word `name=value` of a text of such words, without the blank after it.
+struct word {
+    const char *at;
+    size_t length, name;
+};
+
+static bool next_word(const char **text, struct word *word) {
+    while (**text == ' ') ++*text;
+    *word = (struct word){*text, strcspn(*text, " "), strcspn(*text, "= ")};
+    *text += word->length;
+    return word->length > 0;
+}
+
+static satin_status refuse_other(const struct render *r, const struct word *here,
+                                 const struct word *there) {
+    const char *path = r->callbacks.checkpoint;
+    if (here->name == 5 && strncmp(here->at, "scene", 5) == 0)
+        return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint of another scene", path);
+    if (here->name == 7 && strncmp(here->at, "records", 7) == 0)
+        return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint with other records loaded",
+                        path);
+    return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint with %.*s, but here it is %.*s",
+                    path, (int)there->length, there->at, (int)(here->length - here->name - 1),
+                    here->at + here->name + 1);
+}
+
+// Whether two words are the number of samples per pixel, and that of the checkpoint is less.
+static bool adds_samples(const struct word *here, const struct word *there) {
+    return here->name == 3 && strncmp(here->at, "spp=", 4) == 0 &&
+           strncmp(there->at, "spp=", 4) == 0 && atol(there->at + 4) < atol(here->at + 4);
+}
+
+// Compares the words of two identities. *more: samples are added.
+static satin_status compare_identities(const struct render *r, const char *here, const char *there,
+                                       bool *more) {
+    struct word a, b;
+    *more = false;
+    for (;;) {
+        const bool left = next_word(&here, &a), right = next_word(&there, &b);
+        if (!left && !right) return SATIN_OK;
+        if (!left || !right || a.name != b.name || strncmp(a.at, b.at, a.name) != 0)
+            return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint of another version",
+                            r->callbacks.checkpoint);
+        if (a.length == b.length && memcmp(a.at, b.at, a.length) == 0) continue;
+        if (!adds_samples(&a, &b)) return refuse_other(r, &a, &b);
+        *more = true;
+    }
+}
+
+// ---- Opening ------------------------------------------------------------------------------------
+
+// For the pool: the results of the next loop.
+static bool read_loop(void *user, struct bytes *out) {
+    struct render *r = user;
+    struct render_checkpoint *c = r->checkpoint;
+    c->reading = c->reading && checkpoint_file_read(c->file, CHECKPOINT_LOOP, out);
+    stats_add(&r->stats, "checkpoint.loops", c->reading);
+    return c->reading;
+}
+
+// After a failure nothing more is written, and the render goes on.
+static void note_failure(struct render *r, satin_status status) {
+    if (status == SATIN_OK) return;
+    r->outcome.checkpointed = status;
+    checkpoint_file_close(r->checkpoint->file);
+    r->checkpoint->file = NULL;
+    log_message(r->log, SATIN_LOG_WARNING, "the render goes on without a checkpoint");
+}
+
+static void write_loop(void *user, const struct bytes *results) {
+    struct render *r = user;
+    struct render_checkpoint *c = r->checkpoint;
+    if (!c->file) return;
+    note_failure(r, results->count
+                        ? checkpoint_file_append(c->file, CHECKPOINT_LOOP, results, r->log)
+                        : log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory",
+                                   r->callbacks.checkpoint));
+}
+
+// Reads the identity of a file that has existed, or writes that of a new one.
+static satin_status identify(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    struct bytes text = {(unsigned char *)c->identity, strlen(c->identity) + 1, 0, false};
+    if (!c->resumed) return checkpoint_file_append(c->file, CHECKPOINT_IDENTITY, &text, r->log);
+    struct bytes there = {0};
+    satin_status status = SATIN_OK;
+    bool more;
+    if (!checkpoint_file_read(c->file, CHECKPOINT_IDENTITY, &there) || there.count == 0 ||
+        there.data[there.count - 1] != 0)
+        status = log_fail(r->log, SATIN_ERROR_INPUT, "%s: the checkpoint is damaged",
+                          r->callbacks.checkpoint);
+    else
+        status = compare_identities(r, c->identity, (const char *)there.data, &more);
+    bytes_free(&there);
+    return status;
+}
+
+static satin_status open_file(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    const char *path = r->callbacks.checkpoint;
+    if (fileio_files_have(&r->scene.read, path))
+        return log_fail(r->log, SATIN_ERROR_INPUT, "%s: the scene was read from this file", path);
+    c->identity = identity_of(r);
+    if (!c->identity) return SATIN_ERROR_MEMORY;
+    satin_status status =
+        checkpoint_file_open(path, r->callbacks.resume, r->log, &c->resumed, &c->file);
+    c->reading = c->resumed;
+    if (status == SATIN_OK) status = identify(r);
+    c->journal = (struct parallel_journal){r, read_loop, write_loop};
+    return status;
+}
+
+satin_status render_checkpoint_open(struct render *r) {
+    if (!r->callbacks.checkpoint) return SATIN_OK;
+    if (r->options.time > 0.0)
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "a render with a time limit has no checkpoint; set spp instead of time");
+    r->checkpoint = calloc(1, sizeof *r->checkpoint);
+    if (!r->checkpoint) return SATIN_ERROR_MEMORY;
+    satin_status status = render_is_first(r) ? open_file(r) : SATIN_OK;
+    status = render_ranks_status(r, status);
+    if (status == SATIN_OK)
+        parallel_set_journal(r->pool, render_is_first(r) ? &r->checkpoint->journal : NULL, true);
+    r->checkpoint->written = stats_wall();
+    return status;
+}
+
+satin_status render_checkpoint_check(const struct render *r, satin_status status) {
+    const satin_status failed = r->pool ? parallel_status(r->pool) : SATIN_OK;
+    if (failed == SATIN_OK || r->outcome.error_logged) return status;
+    if (failed == SATIN_ERROR_INPUT)
+        log_fail(r->log, failed, "%s: the checkpoint is damaged", r->callbacks.checkpoint);
+    return failed;
+}
+
+void render_checkpoint_free(struct render *r) {
+    if (!r->checkpoint) return;
+    checkpoint_file_close(r->checkpoint->file);
+    free(r->checkpoint->identity);
+    free(r->checkpoint);
+}
+
+// ---- The image ----------------------------------------------------------------------------------
+
+satin_status render_checkpoint_begin_image(struct render *r, bool *restored) {
+    struct render_checkpoint *c = r->checkpoint;
+    *restored = false;
+    if (!c) return SATIN_OK;
+    parallel_set_journal(r->pool, NULL, false);
+    struct bytes state = {0};
+    *restored = c->reading && checkpoint_file_read(c->file, CHECKPOINT_IMAGE, &state);
+    c->reading = false;
+    *restored = parallel_broadcast(r->pool, *restored, &state);
+    satin_status status = parallel_status(r->pool);
+    if (status == SATIN_OK && *restored && !render_image_unpack(r->image, &state))
+        status = log_fail(r->log, SATIN_ERROR_INPUT, "%s: the image of the checkpoint is damaged",
+                          r->callbacks.checkpoint);
+    bytes_free(&state);
+    stats_set(&r->stats, "checkpoint.samples", (double)r->image->counts.samples);
+    c->written = stats_wall();
+    return status;
+}
+
+bool render_checkpoint_due(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    const double every =
+        r->callbacks.checkpoint_seconds > 0.0 ? r->callbacks.checkpoint_seconds : SECONDS;
+    if (!c || !c->file || !r->image->in_pass || !r->image->begun) return false;
+    // The state is not written twice without a tile between, however short the time is.
+    if (!atomic_load(&r->image->progressed)) return false;
+    c->due = c->due || stats_wall() - c->written >= every;
+    return c->due;
+}
+
+bool render_checkpoint_pause(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    if (!c || render_cancelled(r)) return false;
+    bool due = c->due;
+    c->due = false;
+    due = parallel_broadcast(r->pool, due, &(struct bytes){0});
+    if (due) render_checkpoint_write(r);
+    return due;
+}
+
+void render_checkpoint_write(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    if (!c || !c->file) return;
+    struct bytes state = {0};
+    struct bytes identity = {(unsigned char *)c->identity, strlen(c->identity) + 1, 0, false};
+    render_image_pack(r->image, &state);
+    const satin_status status =
+        state.failed
+            ? log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->callbacks.checkpoint)
+            : checkpoint_file_replace(c->file, &identity, &state, r->log);
+    bytes_free(&state);
+    note_failure(r, status);
+    atomic_store(&r->image->progressed, false);
+    c->written = stats_wall();
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// The file of a checkpoint: see render_checkpoint_file.h. Entries are appended as results come, so
+// a process that is killed loses at most the one that it was writing, which its checksum shows. The
+// state of an image is replaced as a whole: by a new file that is renamed.
+#include "render/render_checkpoint_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/fileio.h"
+#include "base/fileio_output.h"
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files have the byte order of memory");
+
+enum { CHECKPOINT_VERSION = 1 };
+static const char checkpoint_magic[8] = {'s', 'a', 't', 'i', 'n', 'c', 'k', 'p'};
+
+struct file_head {
+    char magic[8];
+    uint32_t version, unused;
+};
+
+struct entry_head {
+    uint32_t kind, unused;
+    uint64_t size;      // of what follows
+    uint64_t checksum;  // of the members before, and of what follows
+};
+
+struct checkpoint_file {
+    const char *path;
+    int fd;
+    uint64_t next;   // offset of the next entry
+    uint64_t first;  // offset behind the identity
+};
+
+// ---- Entries ------------------------------------------------------------------------------------
+
+static struct entry_head head_of(enum checkpoint_entry kind, const struct bytes *entry) {
+    struct entry_head head = {.kind = (uint32_t)kind, .size = entry->count};
+    const uint64_t hash = fileio_hash(FILEIO_HASH, &head, offsetof(struct entry_head, checksum));
+    head.checksum = fileio_hash_large(hash, entry->data, entry->count);
+    return head;
+}
+
+static bool read_range(int fd, void *data, size_t size, uint64_t offset) {
+    for (size_t done = 0; done < size;) {
+        const ssize_t n = pread(fd, (char *)data + done, size - done, (off_t)(offset + done));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return false;
+        done += (size_t)n;
+    }
+    return true;
+}
+
+static bool write_range(int fd, const void *data, size_t size, uint64_t offset) {
+    for (size_t done = 0; done < size;) {
+        const ssize_t n =
+            pwrite(fd, (const char *)data + done, size - done, (off_t)(offset + done));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return false;
+        done += (size_t)n;
+    }
+    return true;
+}
+
+bool checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry kind,
+                          struct bytes *out) {
+    struct entry_head head;
+    struct stat st;
+    if (!read_range(file->fd, &head, sizeof head, file->next) || head.kind != (uint32_t)kind ||
+        fstat(file->fd, &st) != 0)
+        return false;
+    const uint64_t at = file->next + sizeof head;
+    if (head.size > (uint64_t)st.st_size - at) return false;
+    out->count = 0;
+    if (!array_reserve((void **)&out->data, &out->capacity, (size_t)head.size + 1, 1) ||
+        !read_range(file->fd, out->data, (size_t)head.size, at))
+        return false;
+    out->count = (size_t)head.size;
+    if (head_of(kind, out).checksum != head.checksum) return false;
+    if (kind != CHECKPOINT_IMAGE) file->next = at + head.size;
+    if (kind == CHECKPOINT_IDENTITY) file->first = file->next;
+    return true;
+}
+
+satin_status checkpoint_file_append(struct checkpoint_file *file, enum checkpoint_entry kind,
+                                    const struct bytes *entry, struct log log) {
+    const struct entry_head head = head_of(kind, entry);
+    const uint64_t at = file->next + sizeof head;
+    if (ftruncate(file->fd, (off_t)file->next) == 0 &&
+        write_range(file->fd, &head, sizeof head, file->next) &&
+        write_range(file->fd, entry->data, entry->count, at)) {
+        file->next = at + entry->count;
+        if (kind == CHECKPOINT_IDENTITY) file->first = file->next;
+        return SATIN_OK;
+    }
+    const int error = errno;
+    // What cannot be cut off is found to be damaged when it is read.
+    if (ftruncate(file->fd, (off_t)file->next) != 0) errno = error;
+    return log_fail(log, SATIN_ERROR_IO, "%s: cannot write: %s", file->path, strerror(error));
+}
+
+// ---- The whole file -----------------------------------------------------------------------------
+
+static struct file_head new_head(void) {
+    struct file_head head = {.version = CHECKPOINT_VERSION};
+    memcpy(head.magic, checkpoint_magic, sizeof head.magic);
+    return head;
+}
+
+// Checks the head of an open file. An empty file may become a checkpoint.
+static satin_status check_head(const char *path, int fd, struct log log, bool *empty) {
+    struct file_head head;
+    struct stat st;
+    if (fstat(fd, &st) != 0 || !S_ISREG(st.st_mode))
+        return log_fail(log, SATIN_ERROR_INPUT, "%s: it is not a regular file", path);
+    *empty = st.st_size == 0;
+    if (*empty) return SATIN_OK;
+    if (!read_range(fd, &head, sizeof head, 0) ||
+        memcmp(head.magic, checkpoint_magic, sizeof head.magic) != 0)
+        return log_fail(log, SATIN_ERROR_INPUT,
+                        "%s: the file exists and is not a checkpoint; it is not replaced", path);
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0)
+        return log_fail(log, SATIN_ERROR_INPUT, "%s: another process uses this checkpoint", path);
+    return SATIN_OK;
+}
+
+static satin_status check_version(const char *path, int fd, struct log log) {
+    struct file_head head;
+    if (!read_range(fd, &head, sizeof head, 0))
+        return log_fail(log, SATIN_ERROR_INPUT, "%s: the checkpoint is empty", path);
+    if (head.version == CHECKPOINT_VERSION) return SATIN_OK;
+    return log_fail(log, SATIN_ERROR_INPUT,
+                    "%s: a checkpoint of version %u, but this satin reads version %d", path,
+                    head.version, CHECKPOINT_VERSION);
+}
+
+// Opens the file for reading and writing and locks it. *exists is false if there is none, or an
+// empty one.
+static satin_status open_existing(const char *path, struct log log, bool *exists, int *fd) {
+    bool empty = true;
+    *exists = false;
+    *fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
+    if (*fd >= 0) {
+        const satin_status status = check_head(path, *fd, log, &empty);
+        *exists = !empty;
+        return status;
+    }
+    if (errno == ENOENT) return SATIN_OK;
+    return log_fail(log, SATIN_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
+}
+
+// Replaces the open file by a new one with a head alone.
+static satin_status begin_new(const char *path, struct log log, int *fd) {
+    const struct file_head head = new_head();
+    bool exists;
+    if (*fd >= 0) close(*fd);
+    *fd = -1;
+    satin_status status = fileio_write(log, path, &head, sizeof head);
+    if (status == SATIN_OK) status = open_existing(path, log, &exists, fd);
+    if (status == SATIN_OK && !exists)
+        status = log_fail(log, SATIN_ERROR_IO, "%s: cannot open: %s", path, strerror(errno));
+    return status;
+}
+
+satin_status checkpoint_file_open(const char *path, bool resume, struct log log, bool *resumed,
+                                  struct checkpoint_file **out) {
+    int fd;
+    satin_status status = open_existing(path, log, resumed, &fd);
+    *resumed = *resumed && resume;
+    if (status == SATIN_OK && *resumed) status = check_version(path, fd, log);
+    if (status == SATIN_OK && !*resumed) status = begin_new(path, log, &fd);
+    struct checkpoint_file *file = status == SATIN_OK ? malloc(sizeof *file) : NULL;
+    if (status == SATIN_OK && !file) status = SATIN_ERROR_MEMORY;
+    if (file) {
+        *file = (struct checkpoint_file){path, fd, sizeof(struct file_head), 0};
+        *out = file;
+    } else if (fd >= 0) {
+        close(fd);
+    }
+    return status;
+}
+
+void checkpoint_file_close(struct checkpoint_file *file) {
+    if (!file) return;
+    close(file->fd);
+    free(file);
+}
+
+// Copies the bytes [begin, end) of the file to the end of an output.
+static bool copy_range(const struct checkpoint_file *file, uint64_t begin, uint64_t end,
+                       struct fileio_output *out) {
+    enum { BLOCK = 1 << 20 };
+    char *block = malloc(BLOCK);
+    bool done = block;
+    while (done && begin < end) {
+        const size_t n = end - begin < BLOCK ? (size_t)(end - begin) : BLOCK;
+        done = read_range(file->fd, block, n, begin) && fileio_output_append(out, block, n);
+        begin += n;
+    }
+    free(block);
+    return done;
+}
+
+satin_status checkpoint_file_replace(struct checkpoint_file *file, const struct bytes *identity,
+                                     const struct bytes *image, struct log log) {
+    const struct file_head head = new_head();
+    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, identity);
+    const struct entry_head last = head_of(CHECKPOINT_IMAGE, image);
+    const uint64_t begin = sizeof head + sizeof first + identity->count;
+    struct fileio_output out;
+    satin_status status = fileio_output_open(log, file->path, FILEIO_SEEK, &out);
+    if (status != SATIN_OK) return status;
+    fileio_output_append(&out, &head, sizeof head);
+    fileio_output_append(&out, &first, sizeof first);
+    fileio_output_append(&out, identity->data, identity->count);
+    if (!copy_range(file, file->first, file->next, &out) && !out.error) out.error = EIO;
+    fileio_output_append(&out, &last, sizeof last);
+    fileio_output_append(&out, image->data, image->count);
+    status = fileio_output_commit(log, &out);
+    if (status != SATIN_OK) return status;
+    const int fd = open(file->path, O_RDWR | O_CLOEXEC);
+    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        if (fd >= 0) close(fd);
+        return log_fail(log, SATIN_ERROR_IO, "%s: cannot open: %s", file->path, strerror(errno));
+    }
+    close(file->fd);
+    file->fd = fd;
+    file->next = begin + (file->next - file->first);
+    file->first = begin;
+    return SATIN_OK;
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of an image as bytes, for checkpoints and other ranks.
+#include "render/render_image.h"
+
+// The arrays of an image with `size` bytes for each pixel; NULL where the image has none.
+struct image_plane {
+    void *items;
+    size_t size;
+};
+enum { IMAGE_PLANES = 5 };
+
+static void list_planes(const struct render_image *image, struct image_plane out[IMAGE_PLANES]) {
+    out[0] = (struct image_plane){image->pixel, sizeof *image->pixel};
+    out[1] = (struct image_plane){image->adapt.pixel, sizeof *image->adapt.pixel};
+    out[2] = (struct image_plane){image->aov, image->sums * sizeof *image->aov};
+    out[3] = (struct image_plane){image->blocks, sizeof *image->blocks};
+    out[4] = (struct image_plane){image->uncached, sizeof *image->uncached};
+}
+
+// Where the pixels of row y of a box begin in a plane.
+static unsigned char *row_at(const struct render_image *image, const struct image_plane *plane,
+                             struct image_box box, int y) {
+    const size_t at = (size_t)y * (size_t)image->width + (size_t)box.x0;
+    return (unsigned char *)plane->items + at * plane->size;
+}
+
+void render_image_pack_box(const struct render_image *image, struct image_box box,
+                           struct bytes *out) {
+    struct image_plane plane[IMAGE_PLANES];
+    list_planes(image, plane);
+    for (int i = 0; i < IMAGE_PLANES; i++)
+        for (int y = box.y0; plane[i].items && y < box.y1; y++)
+            bytes_put(out, row_at(image, &plane[i], box, y),
+                      (size_t)(box.x1 - box.x0) * plane[i].size);
+}
+
+void render_image_unpack_box(struct render_image *image, struct image_box box,
+                             struct bytes_reader *in) {
+    struct image_plane plane[IMAGE_PLANES];
+    list_planes(image, plane);
+    for (int i = 0; i < IMAGE_PLANES; i++)
+        for (int y = box.y0; plane[i].items && y < box.y1; y++)
+            bytes_get(in, row_at(image, &plane[i], box, y),
+                      (size_t)(box.x1 - box.x0) * plane[i].size);
+}
+
+static struct image_box whole_box(const struct render_image *image) {
+    return (struct image_box){0, 0, image->width, image->height};
+}
+
+void render_image_pack(const struct render_image *image, struct bytes *out) {
+    bytes_put_u64(out, image->taken);
+    bytes_put_u64(out, image->begun);
+    bytes_put_u64(out, image->block);
+    bytes_put_u64(out, image->rim_rays);
+    bytes_put(out, &image->counts, sizeof image->counts);
+    render_image_pack_box(image, whole_box(image), out);
+}
+
+bool render_image_unpack(struct render_image *image, const struct bytes *bytes) {
+    struct bytes_reader in = {bytes->data, bytes->count, false};
+    image->taken = bytes_get_u64(&in);
+    image->begun = bytes_get_u64(&in);
+    image->block = (uint32_t)bytes_get_u64(&in);
+    image->rim_rays = (uint32_t)bytes_get_u64(&in);
+    bytes_get(&in, &image->counts, sizeof image->counts);
+    render_image_unpack_box(image, whole_box(image), &in);
+    image->has_first_samples = true;
+    return !in.failed && in.left == 0 && image->block > 0;
+}
