@@ -59,6 +59,15 @@ typedef enum satin_radius {
 // The largest values of two options.
 enum { SATIN_GLOSSY_SAMPLES_MAX = 256, SATIN_RECURSIVE_BOUNCES_MAX = 8 };
 
+// Cryptomatte layers of the image, by which other programs mask objects or materials. The values
+// are bits.
+typedef enum satin_cryptomatte {
+    SATIN_CRYPTOMATTE_OFF = 0,
+    SATIN_CRYPTOMATTE_OBJECT = 1,
+    SATIN_CRYPTOMATTE_MATERIAL = 2,
+    SATIN_CRYPTOMATTE_BOTH = 3
+} satin_cryptomatte;
+
 typedef struct satin_options {
     satin_integrator integrator;
     satin_quality quality;
@@ -142,6 +151,8 @@ typedef struct satin_options {
     float gather_radius_ratio;
     bool leak_test;    // records are not used at points from which a wall separates them
     bool record_maps;  // adds channels to the film that show the records
+
+    satin_cryptomatte cryptomatte;  // adds masks of objects or materials
 
     // Layers of the image that are kept beside the beauty, "direct,albedo"; "": all; "none": none.
     char layers[256];

@@ -47,7 +47,8 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
     for (int i = 0; i < first->channel_count; i++) {
         const char *own = first->channel_name[i];
         const bool is_beauty = strlen(own) == 1 && strchr("RGB", own[0]);
-        if (!is_beauty && !is_variance(own)) name[count++] = own;
+        // Ids have no mean.
+        if (!is_beauty && !is_variance(own) && !film_is_matte(own)) name[count++] = own;
     }
     a->out = film_new(first->width, first->height, name, count);
     free(name);
@@ -64,7 +65,8 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
     bool ok = true;
     for (int i = 0; i < first->attribute_count && ok; i++)
         // The variance of the mean is no bound, whatever that of the images is.
-        if (strcmp(first->attribute[i].name, FILM_VARIANCE_ATTRIBUTE) != 0)
+        if (strcmp(first->attribute[i].name, FILM_VARIANCE_ATTRIBUTE) != 0 &&
+            strncmp(first->attribute[i].name, "cryptomatte/", 12) != 0)
             ok = film_attribute_set(a->out, first->attribute[i].name, first->attribute[i].value);
     const char *options = film_attribute_get(first, "satin:options");
     if (ok && options) ok = (a->options = strdup(options)) != NULL;

@@ -58,6 +58,17 @@ float *film_channel(struct satin_film *film, const char *name) {
     return NULL;
 }
 
+bool film_is_matte(const char *channel) {
+    static const char *const layer[] = {"CryptoObject", "CryptoMaterial"};
+    for (int i = 0; i < 2; i++) {
+        const size_t n = strlen(layer[i]);
+        if (strncmp(channel, layer[i], n) != 0) continue;
+        const char *rest = channel + n;
+        if (strlen(rest) == 4 && strspn(rest, "0123456789") == 2 && rest[2] == '.') return true;
+    }
+    return false;
+}
+
 static struct film_attribute *find_attribute(const struct satin_film *film, const char *name) {
     for (int i = 0; i < film->attribute_count; i++)
         if (strcmp(film->attribute[i].name, name) == 0) return &film->attribute[i];

@@ -146,13 +146,13 @@ static exr_result_t write_batch(struct writer *w, int count, struct parallel *po
 }
 
 // Whether a channel is of a layer of colours, and the length of its layer's name with the point.
-// The variance of a reference is not a colour.
+// The variance of a reference is not a colour, and mattes are not.
 static bool is_color(const char *name, size_t *layer) {
     const size_t length = strlen(name);
     *layer = length - 1;
     if (length == 0 || !strchr("RGBA", name[length - 1])) return false;
     if (length > 1 && name[length - 2] != '.') return false;
-    return strncmp(name, "variance.", 9) != 0;
+    return strncmp(name, "variance.", 9) != 0 && !film_is_matte(name);
 }
 
 // Whether half floats hold the values about as exactly as they hold numbers of their normal range.

@@ -205,6 +205,9 @@ const struct option options_table[] = {
      "Records do not contribute to points from which a wall separates them."},
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",
      "Adds channels to the image that show the records, for `satin maps`."},
+    {"cryptomatte", OPTION_CHOICE, AT(cryptomatte), false, "off|object|material|both",
+     "Adds Cryptomatte layers, by which other programs mask objects (shapes, by their ids) or "
+     "materials (by the ids of their BRDFs), whatever layers there are beside."},
     {"layers", OPTION_TEXT, AT(layers), false, "NAME,...",
      "Layers that the image has beside the beauty, such as direct,albedo; fewer layers take less "
      "memory and a smaller file. Without a name it has all, and with none, the beauty alone."},

@@ -35,6 +35,7 @@ static const char *const free_options[] = {
     "caustic-k",
     "caustic-photons",
     "record-maps",
+    "cryptomatte",
     "denoise",
 };
 

@@ -69,6 +69,30 @@ static const struct {
     {"variance.R", BY_PATH},
     {"variance.G", BY_PATH},
     {"variance.B", BY_PATH},
+    {"CryptoObject00.R", ANY},
+    {"CryptoObject00.G", ANY},
+    {"CryptoObject00.B", ANY},
+    {"CryptoObject00.A", ANY},
+    {"CryptoObject01.R", ANY},
+    {"CryptoObject01.G", ANY},
+    {"CryptoObject01.B", ANY},
+    {"CryptoObject01.A", ANY},
+    {"CryptoObject02.R", ANY},
+    {"CryptoObject02.G", ANY},
+    {"CryptoObject02.B", ANY},
+    {"CryptoObject02.A", ANY},
+    {"CryptoMaterial00.R", ANY},
+    {"CryptoMaterial00.G", ANY},
+    {"CryptoMaterial00.B", ANY},
+    {"CryptoMaterial00.A", ANY},
+    {"CryptoMaterial01.R", ANY},
+    {"CryptoMaterial01.G", ANY},
+    {"CryptoMaterial01.B", ANY},
+    {"CryptoMaterial01.A", ANY},
+    {"CryptoMaterial02.R", ANY},
+    {"CryptoMaterial02.G", ANY},
+    {"CryptoMaterial02.B", ANY},
+    {"CryptoMaterial02.A", ANY},
 };
 
 static void put(const struct film_planes *planes, int channel, size_t at, float value) {
@@ -155,6 +179,18 @@ static void put_variance(const struct render_image *image, const struct film_pla
     }
 }
 
+static void put_mattes(const struct render_image *image, const struct film_planes *planes,
+                       size_t at, const struct image_pixel *pixel) {
+    const float scale = render_image_scale(pixel);
+    for (int k = 0; k < MATTES; k++) {
+        float value[MATTE_CHANNELS];
+        if (!image->mattes.pixel[k] || !planes->of[CHANNEL_MATTES + k * MATTE_CHANNELS]) continue;
+        matte_ranks(&image->mattes.pixel[k][pixel - image->pixel], scale, value);
+        for (int i = 0; i < MATTE_CHANNELS; i++)
+            put(planes, CHANNEL_MATTES + k * MATTE_CHANNELS + i, at, value[i]);
+    }
+}
+
 // Sets the channels of the scene's AOVs.
 static void put_aovs(const struct render_image *image, const struct film_planes *planes, size_t at,
                      const struct image_pixel *pixel) {
@@ -186,10 +222,11 @@ static bool is_beauty(const char *channel) {
     return strlen(channel) == 1 && strchr("RGBA", channel[0]);
 }
 
-// Whether option layers has the channel's layer. It has the beauty always, and all if it is empty.
+// Whether option layers has the channel's layer. It has the beauty always, and the mattes, which
+// have an option of their own; and all if it is empty.
 static bool is_wanted(const char *layers, const char *channel) {
     const size_t length = layer_length(channel);
-    if (!*layers || is_beauty(channel)) return true;
+    if (!*layers || is_beauty(channel) || film_is_matte(channel)) return true;
     for (const char *at = layers; *at;) {
         const size_t word = strcspn(at, ",");
         if (word == length && strncmp(at, channel, word) == 0) return true;
@@ -202,9 +239,12 @@ static bool has_channel(const struct satin_scene *scene, const satin_options *op
     if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) return false;
     if (i >= CHANNEL_NOISY && i < CHANNEL_VARIANCE && !options->denoise) return false;
     // A denoised image has another variance, and weights of both signs have none by this estimate.
-    if (i >= CHANNEL_VARIANCE && (options->denoise || film_filter_has_lobes(&scene->film)))
+    if (i >= CHANNEL_VARIANCE && i < CHANNEL_MATTES &&
+        (options->denoise || film_filter_has_lobes(&scene->film)))
         return false;
     if (i == CHANNEL_ALPHA && !scene->film.alpha) return false;
+    if (i >= CHANNEL_MATTES)
+        return (int)options->cryptomatte & 1 << (i - CHANNEL_MATTES) / MATTE_CHANNELS;
     return channels[i].by & 1u << options->integrator &&
            !is_aov(&scene->hints.aovs, channels[i].name);
 }
@@ -290,6 +330,7 @@ void render_film_put(const struct render_image *image, const struct film_planes 
     put_pixel(planes, at, source, image);
     put_maps(planes, at, source);
     if (image->blocks) put_variance(image, planes, at, source);
+    put_mattes(image, planes, at, source);
     if (image->aov) put_aovs(image, planes, at, source);
 }
 
@@ -340,6 +381,9 @@ void render_image_film(struct render *r, bool *any) {
         // A cancelled render has a film too.
         parallel_for_all(r->pool, (size_t)rows, 4, fill_rows_of_film, &f);
         array_drop(image->pixel + begin, count * sizeof *image->pixel);
+        for (int k = 0; k < MATTES; k++)
+            if (image->mattes.pixel[k])
+                array_drop(image->mattes.pixel[k] + begin, count * sizeof *image->mattes.pixel[k]);
         if (image->aov)
             array_drop(image->aov + begin * image->sums, count * image->sums * sizeof *image->aov);
     }

@@ -32,6 +32,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     while (2 * IMAGE_BLOCKS * image->block <= (uint32_t)options->spp) image->block *= 2;
     bool ok = (image->blocks || !variance) && image->pixel && image->film &&
               (image->aov || !aovs->values);
+    if (ok) ok = render_mattes_make(&image->mattes, scene, options);
     if (ok && options->denoise) ok = render_denoise_memory(image);
     if (ok && adaptive_make(&image->adapt, width, height, options->light_samples)) return image;
     render_image_free(image);
@@ -42,6 +43,7 @@ void render_image_free(struct render_image *image) {
     if (!image) return;
     adaptive_destroy(&image->adapt);
     satin_film_free(image->film);
+    render_mattes_destroy(&image->mattes);
     free(image->tile_user);
     free(image->planes);
     free(image->uncached);
@@ -160,6 +162,7 @@ static satin_status take_passes(struct image_pass *pass, bool restored, double p
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
     satin_status status = restored && !image->begun ? take_rims(r) : SATIN_OK;
     bool begun = restored && image->begun;
+    if (restored) render_stage_skip(r, (double)image->taken / all);
     while (status == SATIN_OK && (begun || next_pass(r, per_sample, &image->begun))) {
         const double start = stats_wall();
         const uint64_t samples = image->begun;

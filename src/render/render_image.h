@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 
 #include "base/bytes.h"
+#include "render/render_mattes.h"
 #include "render/render_state.h"
 
 // The weighted sums of a pixel's samples.
@@ -41,7 +42,8 @@ enum {
     CHANNEL_NOISY = CHANNEL_MAPS + 4,  // with option denoise
     CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
     CHANNEL_VARIANCE = CHANNEL_UNCACHED + 3,
-    FILM_CHANNELS = CHANNEL_VARIANCE + 3,
+    CHANNEL_MATTES = CHANNEL_VARIANCE + 3,  // with option cryptomatte
+    FILM_CHANNELS = CHANNEL_MATTES + MATTES * MATTE_CHANNELS,
     NAMES_MAX = FILM_CHANNELS + AOV_CHANNELS_MAX  // of an image
 };
 
@@ -60,6 +62,7 @@ struct render_image {
     // pixel by pixel; NULL: there are none.
     float *aov;
     size_t sums;  // number of sums per pixel
+    struct render_mattes mattes;
     struct adaptive_sampling adapt;
     struct image_blocks *blocks;  // of path, for its variance; else NULL
     uint32_t block;               // number of samples of a block, a power of two

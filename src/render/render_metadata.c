@@ -71,6 +71,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&
               film_attribute_set(film, "satin:scene_hash", hash) &&
               film_attribute_set(film, "satin:options", options);
+    if (ok) ok = render_mattes_describe(&r->scene, &r->second_pass.options, film);
     if (ok && film_channel(film, "variance.R"))
         ok = film_attribute_set(film, FILM_VARIANCE_ATTRIBUTE, FILM_VARIANCE_BOUND);
     if (ok && r->image->denoised)

@@ -69,11 +69,12 @@ double render_progress_left(const struct render *r, double done, double elapsed)
     const struct render_progress *at = &r->progress;
     const double seconds = elapsed - (at->stage_start - at->start);
     const bool limited = r->options.time > 0.0;
+    const double own = done - at->skipped;
     const double limit = limited ? fmax(r->options.time - elapsed, 0.0) : INFINITY;
     // The cost of the image is not known before it is begun.
     const bool last = at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
     double left = INFINITY;
-    if (last && done > SPEED_DONE && seconds > SPEED_SECONDS) left = seconds * (1.0 - done) / done;
+    if (last && own > SPEED_DONE && seconds > SPEED_SECONDS) left = seconds * (1.0 - done) / own;
     left = fmin(left, limit);
     return isfinite(left) ? left : -1.0;
 }
@@ -98,7 +99,7 @@ static void report_now(struct render *r, double done) {
         .stage = stage_reports[at->stage].name,
         .unit = stage_reports[at->stage].unit,
         .done = fraction_done(r, done, elapsed),
-        .rate = seconds > 0.0 ? done * at->items / seconds : 0.0,
+        .rate = seconds > 0.0 ? fmax(done - at->skipped, 0.0) * at->items / seconds : 0.0,
         .elapsed = elapsed,
         .left = render_progress_left(r, done, elapsed),
     };
@@ -137,8 +138,11 @@ void render_stage_begin(struct render *r, enum render_stage stage, double items)
     at->stage = stage;
     at->stage_start = now;
     at->items = items;
+    at->skipped = 0.0;
     render_stage_range(r, 0.0, 1.0);
 }
+
+void render_stage_skip(struct render *r, double done) { r->progress.skipped = done; }
 
 void render_stage_range(struct render *r, double done, double span) {
     r->progress.loop_done = done;

@@ -57,6 +57,7 @@ struct render_progress {
     double deadline;     // seconds after it at which the current loop is stopped; INFINITY: none
     double stage_start;  // wall clock at the beginning of the stage
     double items;        // units of work of the stage; 0: not counted
+    double skipped;      // fraction of the stage that an earlier process has done
     double loop_done, loop_span;  // the current loop is [done, done + span] of the stage
     double last_report;           // wall clock at the last report to the caller
 };
@@ -137,6 +138,8 @@ const struct render_steps *render_steps(const struct render *r);
 void render_stage_begin(struct render *r, enum render_stage stage, double items);
 // The name of a reported stage; static storage.
 const char *render_stage_name(enum render_stage stage);
+// The stage begins after this fraction, which an earlier process has done.
+void render_stage_skip(struct render *r, double done);
 // The following loops are the range [done, done + span] of the stage.
 void render_stage_range(struct render *r, double done, double span);
 // Makes the pool report to the caller, and stop its loops on cancellation or at the deadline.

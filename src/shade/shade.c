@@ -38,6 +38,7 @@ static void surface_channels(const struct shade *shade, const struct shading_poi
     if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
     out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
     out->depth = p->interaction.t;
+    out->shape = p->interaction.shape + 1;
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);
 }
 

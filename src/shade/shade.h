@@ -30,6 +30,7 @@ struct shade_sample {
     struct cache_used used;   // records that were interpolated at the point
     float record;             // 1: a record is within a pixel; only with record_maps
     float light_variance;     // variance of the luminance of direct light by one light sample
+    uint32_t shape;           // index of the first surface's shape, counted from 1; 0: none
     float weight;             // weight of the sample in the film's filter
     float aov[AOV_VALUES];    // values that the scene's AOVs need, 0 if there is no surface
 };

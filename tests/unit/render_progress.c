@@ -63,6 +63,12 @@ static void the_time_that_is_left_is_that_of_the_whole_render(void **state) {
     assert_float_equal(render_progress_left(&r, 0.0, 11.0), 0.0, 0.0);
     r.progress.stage = STAGE_PHOTONS;
     assert_float_equal(render_progress_left(&r, 0.9, 8.0), 2.0, 1e-9);
+    // What an earlier process has done shows no speed.
+    r.options.time = 0.0;
+    r.progress.stage = STAGE_IMAGE;
+    render_stage_skip(&r, 0.5);
+    assert_true(render_progress_left(&r, 0.5, 8.0) < 0.0);
+    assert_float_equal(render_progress_left(&r, 0.75, 8.0), 4.0, 1e-9);
 }
 
 int main(void) {

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads OpenEXR files of 32-bit floats in scanlines without compression, as `satin render --float
+--compression none` writes them: an independent reader for the tests."""
+import struct
+
+
+def read_exr(path):
+    """The attributes of a file, by name as bytes, and the rows of each channel, as bytes."""
+    with open(path, "rb") as file:
+        data = file.read()
+    attributes, at = {}, 8
+    while data[at]:
+        end = data.index(0, at)
+        kind_end = data.index(0, end + 1)
+        size, = struct.unpack_from("<i", data, kind_end + 1)
+        attributes[data[at:end].decode()] = data[kind_end + 5:kind_end + 5 + size]
+        at = kind_end + 5 + size
+    names, kinds, body = [], [], attributes["channels"]
+    while body[0]:
+        end = body.index(0)
+        names.append(body[:end].decode())
+        kinds.append(struct.unpack_from("<i", body, end + 1)[0])
+        body = body[end + 17:]
+    assert set(kinds) == {2} and attributes["compression"] == b"\0", "not plain floats"
+    x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"])
+    row = 4 * (x1 - x0 + 1)
+    planes = {name: [] for name in names}
+    for offset in struct.unpack_from(f"<{y1 - y0 + 1}Q", data, at + 1):
+        for i, name in enumerate(names):
+            planes[name].append(data[offset + 8 + row * i:offset + 8 + row * (i + 1)])
+    return attributes, planes
