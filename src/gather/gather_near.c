@@ -45,8 +45,8 @@ static int choose_probes(const struct gather_hits *hits, size_t all,
         if (!continues(hits, i)) continue;
         if (at++ * GUIDE_PROBES < (size_t)count * continued) continue;
         const struct shading_point *y = &hits->hit[i].point;
-        probe[count++] =
-            (struct gather_probe){{y->interaction.p, y->frame.n, y->ng}, rgb_luminance(hits->E[i])};
+        probe[count++] = (struct gather_probe){{y->interaction.p, gather_viewer_normal(y), y->ng},
+                                               rgb_luminance(hits->E[i])};
     }
     return count;
 }
@@ -110,12 +110,13 @@ static float lobe_factor(const struct shading_point *y, unsigned lobes, vec3 axi
 
 static void move_cones(const struct gather_cones *cones, const struct shading_point *y,
                        unsigned lobes, struct choices *out) {
+    const vec3 n = gather_viewer_normal(y);
     out->count = 0;
     out->all = 0.0f;
     for (int c = 0; c < cones->count; c++) {
         struct guide_cone *cone = &out->cone[out->count];
         *cone = cones->cone[c];
-        if (!guide_cone_move(cone, y->interaction.p, y->frame.n) || !(cone->E > 0.0f)) continue;
+        if (!guide_cone_move(cone, y->interaction.p, n) || !(cone->E > 0.0f)) continue;
         // Least variance: in proportion to the standard deviation of one ray into the cone.
         const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
         const float weight = cones->visible[c] * deviation * lobe_factor(y, lobes, cone->axis);
@@ -136,7 +137,7 @@ static float draw_both(const struct choices *at, float guided, const struct shad
             left -= at->weight[own];
         out->wi = frame_to_local(&y->frame, guide_cone_sample(&at->cone[own], u));
         out->lobe = lobes;
-        if (!(out->wi.z > 0.0f)) return 0.0f;
+        if (!(out->wi.z * y->wo_l.z > 0.0f)) return 0.0f;
     } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u.x, u.y, lobes,
                             BRDF_RADIANCE, out)) {
         return 0.0f;

@@ -27,6 +27,12 @@ static inline bool gather_is_reliable(const struct gather *g, float radius, bool
     return !(g->options->gather_near && (near || radius > g->lookup_max));
 }
 
+// The shading normal on the viewer's side. Frames of BRDFs that transmit keep the side of the
+// surface, from whichever side it is seen.
+static inline vec3 gather_viewer_normal(const struct shading_point *y) {
+    return y->wo_l.z < 0.0f ? v3_neg(y->frame.n) : y->frame.n;
+}
+
 // The cones of photon clusters to which directions are drawn, each with the fraction of a few test
 // points from which its cluster is visible, never 0.
 struct gather_cones {

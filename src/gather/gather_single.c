@@ -36,7 +36,7 @@ void gather_singles_begin(struct gather_singles *singles) { singles->count = sin
 
 static void find_clusters(const struct gather *g, const struct shading_point *p,
                           struct gather_single_clusters *out) {
-    const struct guide_point at = {p->interaction.p, p->frame.n, p->ng};
+    const struct guide_point at = {p->interaction.p, gather_viewer_normal(p), p->ng};
     struct gather_cones *to = &out->to;
     struct gather_near *near = &out->near;
     out->n = at.n;
@@ -65,9 +65,10 @@ static void find_clusters(const struct gather *g, const struct shading_point *p,
 struct gather_single_clusters *gather_single_find(const struct gather *g,
                                                   const struct shading_point *p, float pixel,
                                                   struct gather_singles *singles) {
+    const vec3 n = gather_viewer_normal(p);
     for (int i = 0; i < singles->count; i++) {
         struct gather_single_clusters *clusters = &singles->found[i];
-        if (v3_dot(clusters->n, p->frame.n) > COMMON_COSINE &&
+        if (v3_dot(clusters->n, n) > COMMON_COSINE &&
             v3_dist2(clusters->near.p, p->interaction.p) < sqrf(COMMON_PIXELS * pixel))
             return clusters;
     }

@@ -3,6 +3,7 @@
 // a ceiling and the site is on that ceiling, from which it is not visible: irradiance there is
 // known by integration over the walls and the floor, which the spot lights.
 #include "gather/gather_near.h"
+#include "brdf/brdf_models.h"
 #include "gather/gather_layout.h"
 
 #include "spot_room.h"
@@ -120,46 +121,62 @@ static void bounces_from_large_lookups_find_the_spot(void **state) {
     spot_room_free(&f);
 }
 
+// Traces a hemisphere from a site on the ceiling, whose hits complete clusters->near.
+static void probe_clusters(struct spot_room *f, struct gather_cluster_rays *clusters) {
+    gather_near_start(f, 1, 0);
+    const struct gather_site site = ceiling_site(0);
+    struct gather_hemisphere *h = f->worker->hemisphere;
+    gather_hemisphere_begin(h, f->layout, &site.frame);
+    gather_cluster_rays_add(&f->g, &site, h, clusters);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const vec2 u = sample_sobol2(i, 5);
+        const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
+        h->ray[i] =
+            (struct gather_ray){.ray = scene_spawn(&f->scene.scene, site.p, site.ng, d), .item = i};
+    }
+    gather_rays_guided(&f->g, f->worker->scratch, h->ray, RAYS, 0, &clusters->near);
+    assert_true(clusters->near.state == NEAR_PROBED && clusters->near.cones.count > 0);
+}
+
+// The point that is seen from the site along d.
+static struct shading_point point_along(const struct spot_room *f, vec3 d) {
+    const struct gather_site site = ceiling_site(0);
+    const struct ray ray = scene_spawn(&f->scene.scene, site.p, site.ng, d);
+    struct interaction s;
+    struct shading_point y;
+    assert_true(scene_intersect(&f->scene.scene, &ray, &s));
+    shading_point_make(&f->scene.scene, &s, d, &y);
+    return y;
+}
+
+// Whether a direction from y leads to the spot of light.
+static bool leads_to_spot(const struct shading_point *y, vec3 wi) {
+    const vec3 w = frame_to_world(&y->frame, wi), spot = v3(LAMP.x, 1.0f, LAMP.z);
+    const vec3 at = v3_mad(y->interaction.p, (1.0f - y->interaction.p.y) / w.y, w);
+    return w.y > 0.0f && v3_dist2(at, spot) < sqrf(tanf(GATHER_NEAR_HALF_ANGLE));
+}
+
 // The mean weight is that by the BRDF alone: over all directions the albedo, over those to the spot
 // their part of it.
 static void weights_are_unbiased(void **state) {
     (void)state;
     struct spot_room f;
-    gather_near_start(&f, 1, 0);
-    const struct gather_site site = ceiling_site(0);
     struct gather_cluster_rays clusters;
-    struct gather_near *near = &clusters.near;
-    struct gather_hemisphere *h = f.worker->hemisphere;
-    gather_hemisphere_begin(h, f.layout, &site.frame);
-    gather_cluster_rays_add(&f.g, &site, h, &clusters);
-    for (uint32_t i = 0; i < RAYS; i++) {
-        const vec2 u = sample_sobol2(i, 5);
-        const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
-        h->ray[i] =
-            (struct gather_ray){.ray = scene_spawn(&f.scene.scene, site.p, site.ng, d), .item = i};
-    }
-    gather_rays_guided(&f.g, f.worker->scratch, h->ray, RAYS, 0, near);
-    assert_true(near->state == NEAR_PROBED && near->cones.count > 0);
+    probe_clusters(&f, &clusters);
     for (int wall = 0; wall < 2; wall++) {
         const vec3 d = wall ? v3_unit(v3(1.0f, -2.0f, 0.2f)) : v3(0, -1, 0);
-        const struct ray ray = scene_spawn(&f.scene.scene, site.p, site.ng, d);
         const vec3 spot = v3(LAMP.x, 1.0f, LAMP.z);
         const float r = tanf(GATHER_NEAR_HALF_ANGLE);
-        struct interaction s;
-        struct shading_point y;
-        assert_true(scene_intersect(&f.scene.scene, &ray, &s));
-        shading_point_make(&f.scene.scene, &s, d, &y);
+        const struct shading_point y = point_along(&f, d);
         double sum = 0.0, hits = 0.0;
         for (uint32_t i = 0; i < POINTS; i++) {
             struct sampler u = {i, 3, 0};
             struct brdf_sample next;
             const float u_lobe = sampler_1d(&u);
-            if (!gather_near_bounce(&near->cones, &y, 1e-4f, u_lobe, sampler_2d(&u), &next))
+            if (!gather_near_bounce(&clusters.near.cones, &y, 1e-4f, u_lobe, sampler_2d(&u), &next))
                 continue;
-            const vec3 w = frame_to_world(&y.frame, next.wi);
-            const vec3 at = v3_mad(y.interaction.p, (1.0f - y.interaction.p.y) / w.y, w);
             sum += (double)next.weight.g / POINTS;
-            if (w.y > 0.0f && v3_dist2(at, spot) < r * r) hits += (double)next.weight.g / POINTS;
+            if (leads_to_spot(&y, next.wi)) hits += (double)next.weight.g / POINTS;
         }
         const vec3 offset = v3_sub(spot, y.interaction.p);
         const double r2 = (double)v3_len2(offset),
@@ -169,6 +186,40 @@ static void weights_are_unbiased(void **state) {
         assert_true(fabs(sum / (double)ALBEDO - 1.0) < 0.01);
         assert_true(fabs(hits / wanted - 1.0) < 0.02);
     }
+    spot_room_free(&f);
+}
+
+// A BRDF that transmits has a frame that keeps the side of its surface. Seen from the other side,
+// its bounces go to the clusters on the viewer's side, as many as from the first side, by the same
+// weights.
+static void clusters_get_bounces_on_both_sides(void **state) {
+    (void)state;
+    struct spot_room f;
+    struct gather_cluster_rays clusters;
+    probe_clusters(&f, &clusters);
+    struct shading_point y = point_along(&f, v3(0, -1, 0));
+    y.brdf.model = &brdf_model_principledthin;
+    int found[2] = {0};
+    double sum[2] = {0};
+    for (int side = 0; side < 2; side++) {
+        const vec3 wo = frame_to_world(&y.frame, y.wo_l);
+        y.frame = frame_from_normal(v3(0, side ? -1.0f : 1.0f, 0));
+        y.wo_l = frame_to_local(&y.frame, wo);
+        assert_true(side ? y.wo_l.z < 0.0f : y.wo_l.z > 0.0f);
+        for (uint32_t i = 0; i < POINTS; i++) {
+            struct sampler u = {i, 3, 0};
+            struct brdf_sample next;
+            const float u_lobe = sampler_1d(&u);
+            if (!gather_near_bounce(&clusters.near.cones, &y, 1e-4f, u_lobe, sampler_2d(&u), &next))
+                continue;
+            assert_true(next.wi.z * y.wo_l.z > 0.0f);
+            sum[side] += (double)next.weight.g / POINTS;
+            found[side] += leads_to_spot(&y, next.wi);
+        }
+    }
+    print_message("%d and %d bounces, weights %.4f and %.4f\n", found[0], found[1], sum[0], sum[1]);
+    assert_true(found[0] > POINTS / 8 && abs(found[1] - found[0]) < POINTS / 64);
+    assert_true(fabs(sum[1] / sum[0] - 1.0) < 0.01);
     spot_room_free(&f);
 }
 
@@ -190,6 +241,7 @@ int main(void) {
         cmocka_unit_test(second_bounces_find_the_spot),
         cmocka_unit_test(bounces_from_large_lookups_find_the_spot),
         cmocka_unit_test(weights_are_unbiased),
+        cmocka_unit_test(clusters_get_bounces_on_both_sides),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
