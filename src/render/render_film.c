@@ -184,7 +184,8 @@ static void put_mattes(const struct render_image *image, const struct film_plane
     const float scale = render_image_scale(pixel);
     for (int k = 0; k < MATTES; k++) {
         float value[MATTE_CHANNELS];
-        if (!image->mattes.pixel[k] || !planes->of[CHANNEL_MATTES + k * MATTE_CHANNELS]) continue;
+        const int last = CHANNEL_MATTES + (k + 1) * MATTE_CHANNELS - 1;
+        if (!image->mattes.pixel[k] || !planes->of[last]) continue;
         matte_ranks(&image->mattes.pixel[k][pixel - image->pixel], scale, value);
         for (int i = 0; i < MATTE_CHANNELS; i++)
             put(planes, CHANNEL_MATTES + k * MATTE_CHANNELS + i, at, value[i]);
@@ -243,8 +244,9 @@ static bool has_channel(const struct satin_scene *scene, const satin_options *op
         (options->denoise || film_filter_has_lobes(&scene->film)))
         return false;
     if (i == CHANNEL_ALPHA && !scene->film.alpha) return false;
-    if (i >= CHANNEL_MATTES)
-        return (int)options->cryptomatte & 1 << (i - CHANNEL_MATTES) / MATTE_CHANNELS;
+    if (i >= CHANNEL_MATTES &&
+        !((int)options->cryptomatte & 1 << (i - CHANNEL_MATTES) / MATTE_CHANNELS))
+        return false;
     return channels[i].by & 1u << options->integrator &&
            !is_aov(&scene->hints.aovs, channels[i].name);
 }

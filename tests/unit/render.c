@@ -138,6 +138,39 @@ static void a_cancelled_image_is_what_was_sampled(void **state) {
     satin_film_free(film);
 }
 
+static void count_snapshot(void *user, const satin_film *film) {
+    int *count = user, width, height;
+    satin_film_size(film, &width, &height);
+    assert_true(width == 160 && height == 120 && satin_film_channel(film, "emission.R"));
+    assert_null(satin_film_stats(film));
+    ++*count;
+}
+
+// Also without a progress function.
+static void snapshots_do_not_change_the_image(void **state) {
+    (void)state;
+    int count = 0;
+    satin_film *film[2] = {NULL, NULL};
+    satin_options options = satin_options_default;
+    options.integrator = SATIN_PATH;
+    options.width = 160;
+    options.height = 120;
+    // Some tenths of a second on any machine.
+    options.spp = 128;
+    options.threads = 2;
+    for (int i = 0; i < 2; i++) {
+        const satin_callbacks callbacks = {.snapshot = i ? count_snapshot : NULL,
+                                           .snapshot_user = &count};
+        assert_int_equal(satin_render(test_render_scene, &options, &callbacks, &film[i]), SATIN_OK);
+    }
+    assert_true(count > 0);
+    assert_int_equal(film[0]->channel_count, film[1]->channel_count);
+    for (int i = 0; i < film[0]->channel_count; i++)
+        assert_memory_equal(film[0]->channel[i], film[1]->channel[i], 160 * 120 * sizeof(float));
+    satin_film_free(film[0]);
+    satin_film_free(film[1]);
+}
+
 // If not even the first photons fit into a time limit, the second pass traces paths: the film says
 // so, and has the channels of that integrator.
 static void paths_replace_photons_without_time(void **state) {
@@ -198,6 +231,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(stages_come_in_their_order),
         cmocka_unit_test(a_cancelled_render_has_an_image),
         cmocka_unit_test(a_cancelled_image_is_what_was_sampled),
+        cmocka_unit_test(snapshots_do_not_change_the_image),
         cmocka_unit_test(paths_replace_photons_without_time),
         cmocka_unit_test(the_matrix_of_the_film_is_that_of_its_rays),
         cmocka_unit_test(rounds_go_on_to_half_a_pixel),
