@@ -77,7 +77,8 @@ struct render_image {
     // For each tile, who uses its pixels at the moment; NULL: there are no snapshots, for which
     // alone it is needed (render_snapshot.c).
     _Atomic int *tile_user;
-    bool in_pass;  // whether samples are being taken
+    atomic_bool tiles_wanted;  // whether a snapshot waits for tiles that workers have
+    bool in_pass;              // whether samples are being taken
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
     rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result
@@ -106,6 +107,8 @@ enum { IMAGE_TILE = 16 };
 // reads the tile, which takes microseconds (render_snapshot.c).
 void render_tile_begin(struct render_image *image, size_t tile, int worker);
 void render_tile_end(struct render_image *image, size_t tile);
+// Between two samples of the tile: leaves it to a snapshot that waits for it.
+void render_tile_yield(struct render_image *image, size_t tile, int worker);
 
 // The planes of a film that has some of the image's channels (render_film.c).
 struct film_planes render_film_planes(const struct render_image *image, struct satin_film *film);

@@ -13,6 +13,7 @@ struct image_worker {
     struct shade_worker shade;
     struct bytes before;  // state of the tile before its samples, if there is a checkpoint
     unsigned samples;     // since the worker began
+    size_t tile;          // the current one
 };
 
 static struct image_box tile_box(const struct image_pass *pass, size_t tile) {
@@ -108,6 +109,7 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
             image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);
         adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
                      finite ? sample.light_variance : 0.0f);
+        render_tile_yield(image, worker->tile, number);
         // A late pass takes thousands of samples of every pixel.
         if (++worker->samples % ASK_SAMPLES == 0 && parallel_cancelled(pool, number)) return false;
     }
@@ -151,6 +153,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
     const struct image_pass *pass = ctx;
     bool whole = true;
     for (size_t tile = begin; tile < end && whole; tile++) {
+        pass->worker[worker].tile = tile;
         render_tile_begin(pass->r->image, tile, worker);
         whole = render_tile(pass, tile, worker);
         render_tile_end(pass->r->image, tile);

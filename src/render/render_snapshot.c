@@ -2,8 +2,9 @@
 // Snapshots: the film of an image that is being sampled, for the caller to show. They are made on
 // the calling thread, between two of its own samples, while the other workers go on. A tile belongs
 // to the worker that samples it or to the snapshot that reads it, so that no pixel is read while it
-// changes; a tile that a worker has at that moment keeps the values of the snapshot before. Nothing
-// but the film of snapshots is written, so that the image does not depend on them.
+// changes. At the end, workers leave their tiles to the snapshot for a moment; the tile of one that
+// is in the middle of a long sample keeps the values of the snapshot before. Nothing but the film
+// of snapshots is written, so that the image does not depend on them.
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -13,6 +14,12 @@
 
 // A user of a tile; workers are their numbers plus 1.
 enum { NO_USER = 0, SNAPSHOT_USER = -1 };
+
+// The largest number of tiles for which a snapshot waits; there is one for each worker.
+enum { MISSED_MAX = 1024 };
+// For how long it waits: a sample takes microseconds, rarely a millisecond, and meanwhile those
+// workers stand still that have left their tiles.
+static const double WAIT_SECONDS = 0.005;
 
 static size_t tile_count(const struct render_image *image) {
     const size_t columns = (size_t)((image->width + IMAGE_TILE - 1) / IMAGE_TILE);
@@ -30,6 +37,14 @@ void render_tile_begin(struct render_image *image, size_t tile, int worker) {
 
 void render_tile_end(struct render_image *image, size_t tile) {
     if (image->tile_user) atomic_store(&image->tile_user[tile], NO_USER);
+}
+
+void render_tile_yield(struct render_image *image, size_t tile, int worker) {
+    if (!image->tile_user || !atomic_load_explicit(&image->tiles_wanted, memory_order_relaxed))
+        return;
+    render_tile_end(image, tile);
+    while (atomic_load(&image->tiles_wanted)) sched_yield();
+    render_tile_begin(image, tile, worker);
 }
 
 // ---- Memory -------------------------------------------------------------------------------------
@@ -81,18 +96,40 @@ static void read_image_tile(struct render_snapshot *snapshot, const struct rende
         }
 }
 
-static void read_free_tiles(struct render_snapshot *snapshot, struct render_image *image) {
-    size_t tile = 0;
-    for (int y0 = 0; y0 < image->height; y0 += IMAGE_TILE)
-        for (int x0 = 0; x0 < image->width; x0 += IMAGE_TILE, tile++) {
-            int user = NO_USER;
-            const bool taken =
-                atomic_compare_exchange_strong(&image->tile_user[tile], &user, SNAPSHOT_USER);
-            // The calling thread is worker 0, and is between two samples.
-            if (!taken && user != 0 + 1) continue;
-            read_image_tile(snapshot, image, x0, y0);
-            if (taken) atomic_store(&image->tile_user[tile], NO_USER);
-        }
+// Reads a tile, unless a worker has it. The calling thread is worker 0, and is between two samples.
+static bool try_tile(struct render_snapshot *snapshot, struct render_image *image, size_t tile) {
+    const size_t columns = (size_t)((image->width + IMAGE_TILE - 1) / IMAGE_TILE);
+    int user = NO_USER;
+    const bool taken =
+        atomic_compare_exchange_strong(&image->tile_user[tile], &user, SNAPSHOT_USER);
+    if (!taken && user != 0 + 1) return false;
+    read_image_tile(snapshot, image, (int)(tile % columns) * IMAGE_TILE,
+                    (int)(tile / columns) * IMAGE_TILE);
+    if (taken) atomic_store(&image->tile_user[tile], NO_USER);
+    return true;
+}
+
+// Asks all workers to leave their tiles between two samples, and reads those that were missed.
+static void read_missed(struct render_snapshot *snapshot, struct render_image *image, size_t *tile,
+                        size_t count) {
+    const double end = stats_wall() + WAIT_SECONDS;
+    if (count == 0) return;
+    atomic_store(&image->tiles_wanted, true);
+    while (count > 0 && stats_wall() < end) {
+        size_t left = 0;
+        for (size_t i = 0; i < count; i++)
+            if (!try_tile(snapshot, image, tile[i])) tile[left++] = tile[i];
+        count = left;
+        sched_yield();
+    }
+    atomic_store(&image->tiles_wanted, false);
+}
+
+static void read_all_tiles(struct render_snapshot *snapshot, struct render_image *image) {
+    size_t missed[MISSED_MAX], count = 0;
+    for (size_t tile = 0; tile < tile_count(image); tile++)
+        if (!try_tile(snapshot, image, tile) && count < MISSED_MAX) missed[count++] = tile;
+    read_missed(snapshot, image, missed, count);
 }
 
 // The pixel whose values are shown at (x, y), as render_image_source finds it in the image.
@@ -135,7 +172,7 @@ void render_snapshot(struct render *r) {
         r->callbacks.snapshot = NULL;
         return;
     }
-    read_free_tiles(r->snapshot, image);
+    read_all_tiles(r->snapshot, image);
     fill_missing(r->snapshot, image);
     r->callbacks.snapshot(r->callbacks.snapshot_user, r->snapshot->film);
     const double end = stats_wall(), spent = end - begin;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Snapshots of an image whose sums are filled in by hand, with other numbers of samples in every
-// pixel: they are the film that the image would have if it ended then; a tile that a worker samples
-// is left as it was; they come when there is something to show, and not too often.
+// pixel: they are the film that the image would have if it ended then; a tile in the middle of a
+// sample is left as it was, and a worker leaves its tile between two samples; they come when there
+// is something to show, and not too often.
+#include <pthread.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -151,6 +154,41 @@ static void a_tile_that_is_being_sampled_stays_as_it_was(void **state) {
     snapshot_end(&r, &shown);
 }
 
+// A worker that leaves its tile between two samples.
+struct yielding {
+    struct render_image *image;
+    atomic_bool begun, ends;
+};
+
+static void *sample_and_yield(void *ctx) {
+    struct yielding *y = ctx;
+    render_tile_begin(y->image, 1, 1);
+    atomic_store(&y->begun, true);
+    while (!atomic_load(&y->ends)) render_tile_yield(y->image, 1, 1);
+    render_tile_end(y->image, 1);
+    return NULL;
+}
+
+static void a_worker_leaves_its_tile_to_a_snapshot(void **state) {
+    (void)state;
+    struct shown shown = {0};
+    struct render r = snapshot_begin(SATIN_TWO_PASS, &shown, true);
+    struct yielding y = {.image = r.image};
+    pthread_t thread;
+    for (int x = 0; x < WIDTH; x += 16) snapshot_sample(snapshot_pixel(&r, x, 0), 1, 1.0f);
+    assert_int_equal(pthread_create(&thread, NULL, sample_and_yield, &y), 0);
+    while (!atomic_load(&y.begun)) sched_yield();
+    // A busy machine may leave the worker no time in some of the snapshots.
+    for (int i = 0; i < 1000 && (!shown.copy || !(snapshot_value(shown.copy, "R", 16, 0) > 0.0f));
+         i++)
+        show(&r);
+    assert_float_equal(snapshot_value(shown.copy, "R", 16, 0), 1.0f, 0.0f);
+    assert_false(atomic_load(&r.image->tiles_wanted));
+    atomic_store(&y.ends, true);
+    pthread_join(thread, NULL);
+    snapshot_end(&r, &shown);
+}
+
 static void snapshots_come_while_the_image_is_sampled(void **state) {
     (void)state;
     struct shown shown = {0};
@@ -189,6 +227,7 @@ int main(void) {
         cmocka_unit_test(a_snapshot_is_the_film_of_the_moment),
         cmocka_unit_test(the_beauty_alone_is_enough_for_a_picture),
         cmocka_unit_test(a_tile_that_is_being_sampled_stays_as_it_was),
+        cmocka_unit_test(a_worker_leaves_its_tile_to_a_snapshot),
         cmocka_unit_test(snapshots_come_while_the_image_is_sampled),
         cmocka_unit_test(snapshots_are_rare_if_they_are_slow),
     };
