@@ -75,6 +75,20 @@ void app_set_reading(bool scene_is_read) { atomic_store(&reading, scene_is_read)
 
 bool app_interrupted(void) { return atomic_load(&first_signal) != 0; }
 
+// Whether messages are not printed, and the last one that was not.
+static bool is_silent;
+static char silenced[1024];
+
+void app_begin_silence(void) { is_silent = true; }
+
+void app_end_silence(const char *prefix, int number) {
+    is_silent = false;
+    if (!*silenced) return;
+    fprintf(stderr, prefix, number);
+    fprintf(stderr, "%s\n", silenced);
+    *silenced = 0;
+}
+
 static void erase_bar(struct app_progress *progress) {
     if (!progress || !progress->bar) return;
     fputs("\r\033[K", stderr);
@@ -82,6 +96,10 @@ static void erase_bar(struct app_progress *progress) {
 }
 
 static void print(struct app_progress *progress, const char *prefix, const char *message) {
+    if (is_silent) {
+        snprintf(silenced, sizeof silenced, "%s", message);
+        return;
+    }
     erase_bar(progress);
     fprintf(stderr, "%s%s\n", prefix, message);
     fflush(stderr);

@@ -69,6 +69,7 @@ static void list_outputs(const struct app_render_request *r, struct app_output o
 static int check_outputs(struct app_render_request *r) {
     const int named = name_outputs(r);
     if (named != APP_DONE) return named;
+    if (!app_ranks_first(r->ranks)) return APP_DONE;
     const struct app_input input[] = {
         {r->scene, "the scene"}, {r->load, "the cache that is loaded"}, {NULL, NULL}};
     struct app_output output[OUTPUTS];
@@ -125,9 +126,10 @@ static void print_summary(const struct app_render_request *r, const satin_film *
 static satin_status render_live(const struct app_render_request *r, const satin_scene *scene,
                                 const satin_options *options, struct app_live *live,
                                 satin_film **film) {
-    const bool shown = r->preview || r->display.wanted;
+    const bool first = app_ranks_first(r->ranks), shown = r->preview || r->display.wanted;
     const satin_callbacks callbacks = {.log = app_log,
                                        .log_user = live->progress,
+                                       .ranks = r->ranks->ranks,
                                        .progress = app_live_progress,
                                        .progress_user = live,
                                        .load_cache = r->load,
@@ -135,10 +137,10 @@ static satin_status render_live(const struct app_render_request *r, const satin_
                                        .checkpoint = r->checkpoint,
                                        .resume = r->resume,
                                        .checkpoint_seconds = r->checkpoint_seconds,
-                                       .snapshot = shown ? app_live_snapshot : NULL,
+                                       .snapshot = first && shown ? app_live_snapshot : NULL,
                                        .snapshot_user = live,
                                        .snapshot_beauty = !r->display.wanted};
-    app_display_open(&live->display, r->output, live->progress);
+    if (first) app_display_open(&live->display, r->output, live->progress);
     const satin_status status = satin_render(scene, options, &callbacks, film);
     app_progress_end(live->progress);
     return status;
@@ -155,56 +157,69 @@ static satin_status render_scene(const struct app_render_request *r, const satin
     // The time limit includes the time for reading the scene.
     if (options.time > 0.0)
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
+    const satin_ranks *ranks = r->ranks->ranks;
+    if (ranks) ranks->broadcast(ranks->user, 0, &options.time, sizeof options.time);
     struct app_live live = {r->preview, &r->tonemap, r->display, progress, false};
     satin_film *film = NULL;
     status = render_live(r, scene, &options, &live, &film);
-    if (film) {
+    if (film && app_ranks_first(r->ranks)) {
         satin_status written = write_outputs(r, film, options.threads, start, file_log);
         if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
         if (written != SATIN_OK) status = written;
     }
     // Last, as it may wait for the viewer.
-    app_live_finish(&live, film);
+    if (app_ranks_first(r->ranks)) app_live_finish(&live, film);
     satin_film_free(film);
     return status;
+}
+
+// Loads the scene and checks that no output is one of its files.
+static int load_checked(struct app_render_request *r, struct app_progress *progress,
+                        satin_scene **scene) {
+    app_set_reading(true);
+    app_catch_signals();
+    const satin_scene_request request = {r->define, r->define_count,
+                                         r->scene_flags | SATIN_SCENE_STREAM, r->sensor};
+    const satin_status status =
+        satin_scene_load_request(r->scene, &request, app_log_file, progress, scene);
+    app_set_reading(false);
+    if (status != SATIN_OK) return app_exit_of(status);
+    struct app_output output[OUTPUTS];
+    list_outputs(r, output);
+    return app_ranks_first(r->ranks) ? app_outputs_check_read(output, OUTPUTS, &(*scene)->read)
+                                     : APP_DONE;
 }
 
 static int load_and_render(struct app_render_request *r) {
     struct app_progress progress;
     satin_scene *scene = NULL;
     double start = stats_wall();
-    int result = check_outputs(r);
-    if (result != APP_DONE) return result;
-    app_progress_start(&progress, r->quiet);
-    app_set_reading(true);
-    app_catch_signals();
-    const satin_scene_request request = {r->define, r->define_count,
-                                         r->scene_flags | SATIN_SCENE_STREAM, r->sensor};
-    satin_status status =
-        satin_scene_load_request(r->scene, &request, app_log_file, &progress, &scene);
-    app_set_reading(false);
-    if (status != SATIN_OK) return app_exit_of(status);
-    struct app_output output[OUTPUTS];
-    list_outputs(r, output);
-    result = app_outputs_check_read(output, OUTPUTS, &scene->read);
+    app_progress_start(&progress, r->quiet || !app_ranks_first(r->ranks));
+    int result = app_ranks_agree(r->ranks, check_outputs(r));
+    if (result == APP_DONE) result = app_ranks_agree(r->ranks, load_checked(r, &progress, &scene));
     if (result == APP_DONE) result = app_exit_of(render_scene(r, scene, &progress, start));
     satin_scene_free(scene);
     return result;
 }
 
 int app_render(int argc, char **argv) {
-    struct app_render_request r = {0};
+    struct app_ranks ranks;
+    struct app_render_request r = {.ranks = &ranks};
+    if (!app_ranks_begin(&ranks)) return APP_WRONG;
     r.define = calloc((size_t)argc + 1, sizeof *r.define);
     // An argument sets at most four options.
     r.setting = calloc(4 * (size_t)argc + 1, sizeof *r.setting);
     int result = r.define && r.setting ? app_render_read(argc, argv, &r) : app_no_memory();
     if (result == APP_DONE && r.help)
-        result = app_help(1, (char *[]){"render"});
+        result = app_ranks_first(&ranks) ? app_help(1, (char *[]){"render"}) : APP_DONE;
+    else if (result == APP_DONE && ranks.ranks && strcmp(r.scene, APP_STDIN) == 0)
+        result = app_wrong("several processes cannot read a scene from standard input");
     else if (result == APP_DONE)
         result = load_and_render(&r);
     free(r.define);
     free(r.setting);
     free(r.png_beside);
     free(r.checkpoint_beside);
+    app_ranks_end(&ranks, result);
     return result;
 }

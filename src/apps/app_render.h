@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "apps/app_display.h"
+#include "apps/app_ranks.h"
 #include "satin/render.h"
 
 // The texts are those of the arguments, except for those at the end.
@@ -21,6 +22,7 @@ struct app_render_request {
     satin_define *define;
     satin_setting *setting;
     size_t define_count, setting_count;
+    const struct app_ranks *ranks;
     // Names of outputs that were asked for without a name; owned.
     char *png_beside, *checkpoint_beside;
 };

@@ -101,6 +101,13 @@ satin_status parallel_status(const struct parallel *pool);
 // that other chunks of the loop write.
 bool parallel_for_results(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
                           void *ctx, const struct parallel_results *results);
+// What the ranks have exchanged so far.
+struct parallel_traffic {
+    double loops;    // that were divided
+    double bytes;    // results of all ranks
+    double seconds;  // in which this rank sent and received results, and waited for others
+};
+struct parallel_traffic parallel_traffic(const struct parallel *pool);
 // Returns `found` of rank 0 on all ranks, and if it is true copies the bytes of rank 0 to them.
 bool parallel_broadcast(struct parallel *pool, bool found, struct bytes *bytes);
 // Replaces each of the values by its sum over all ranks.

@@ -22,6 +22,7 @@ struct parallel_division {
     const struct parallel_journal *journal;  // NULL: none, or another rank has it
     bool has_journal;                        // some rank has one
     satin_status status;                     // the first failure
+    struct parallel_traffic traffic;
     bool running;           // the chunks of the current loop are divided between the ranks
     int counter;            // from which they are taken
     pthread_mutex_t mutex;  // guards what follows

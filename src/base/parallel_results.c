@@ -9,6 +9,7 @@
 //
 // Results as bytes: the number of chunks, then for each its index, its size, and the result.
 #include "base/parallel_pool.h"
+#include "base/stats.h"
 
 // A loop with results.
 struct results_loop {
@@ -35,6 +36,10 @@ void parallel_set_journal(struct parallel *pool, const struct parallel_journal *
 }
 
 satin_status parallel_status(const struct parallel *pool) { return pool->division.status; }
+
+struct parallel_traffic parallel_traffic(const struct parallel *pool) {
+    return pool->division.traffic;
+}
 
 // ---- Division of the chunks ---------------------------------------------------------------------
 
@@ -158,8 +163,9 @@ static satin_status broadcast_bytes(const struct satin_ranks *ranks, int root,
 
 // Gives all ranks the results of all chunks.
 static satin_status exchange_results(const struct results_loop *loop) {
-    const struct parallel_division *division = &loop->pool->division;
+    struct parallel_division *division = &loop->pool->division;
     const struct satin_ranks *ranks = division->ranks;
+    const double start = stats_wall();
     struct bytes own = {0}, other = {0};
     bytes_put_u64(&own, division->own_count);
     for (size_t i = 0; i < division->own_count; i++) pack_chunk(loop, division->own[i], &own);
@@ -167,8 +173,11 @@ static satin_status exchange_results(const struct results_loop *loop) {
     for (int root = 0; root < ranks->count && status == SATIN_OK; root++) {
         const bool is_own = root == ranks->rank;
         status = broadcast_bytes(ranks, root, is_own ? &own : &other);
+        division->traffic.bytes += (double)(is_own ? own.count : other.count);
         if (status == SATIN_OK && !is_own) status = unpack_chunks(loop, &other);
     }
+    division->traffic.loops += 1.0;
+    division->traffic.seconds += stats_wall() - start;
     bytes_free(&own);
     bytes_free(&other);
     return status;

@@ -74,8 +74,7 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     status = render_film_check(&r->scene, &r->second_pass.options, r->log);
     if (status != SATIN_OK) return status;
     camera_check(&r->scene, r->log);
-    status = allocate_image(r);
-    return status == SATIN_OK ? render_checkpoint_open(r) : status;
+    return allocate_image(r);
 }
 
 // After the course has changed to path tracing: the film gets the channels of that integrator.
@@ -140,7 +139,7 @@ static satin_status sample_image(struct render *r) {
 // render has a film if some pixel was sampled.
 static satin_status finish_film(struct render *r, satin_status status, satin_film **out) {
     const bool has_image = status == SATIN_OK || status == SATIN_CANCELLED;
-    if (has_image && r->denoiser) render_denoise(r);
+    if (has_image && r->denoiser && render_is_first(r)) render_denoise(r);
     render_stage_begin(r, STAGE_FILM, 0.0);
     if (!has_image) return status;
     if (render_steps(r)->coarse)
@@ -164,6 +163,8 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     struct render *r = render_new(callbacks);
     satin_film *film = NULL;
     satin_status status = r ? prepare(r, scene, options) : SATIN_ERROR_MEMORY;
+    if (r) status = render_ranks_agree(r, status);
+    if (status == SATIN_OK) status = render_checkpoint_open(r);
     if (status == SATIN_OK) status = first_pass(r);
     if (status == SATIN_OK) status = prepare_gathering(r);
     if (status == SATIN_OK) status = brdf_tables(r);

@@ -147,7 +147,9 @@ static double time_limit(const struct render *r) {
     return r->options.time > 0.0 ? r->options.time : INFINITY;
 }
 
-double render_elapsed(const struct render *r) { return stats_wall() - r->progress.start; }
+double render_elapsed(const struct render *r) {
+    return render_agreed(r, stats_wall() - r->progress.start);
+}
 
 double render_time_left(const struct render *r) { return time_limit(r) - render_elapsed(r); }
 
@@ -172,7 +174,7 @@ static double finish_seconds(const struct render *r) {
 
 // The remaining seconds for records and image.
 static double image_seconds(const struct render *r) {
-    return render_time_left(r) - finish_seconds(r);
+    return render_agreed(r, render_time_left(r) - finish_seconds(r));
 }
 
 // ---- Limits of loops ----------------------------------------------------------------------------

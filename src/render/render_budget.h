@@ -26,7 +26,7 @@
 struct render;
 struct shade_counts;
 
-// Seconds since the render began.
+// Seconds since the render began; the same on all ranks, which must all call it.
 double render_elapsed(const struct render *r);
 // The seconds that remain of options.time.
 double render_time_left(const struct render *r);

@@ -131,7 +131,7 @@ static satin_status begin_samples(struct image_pass *pass, double *per_sample) {
     if (status != SATIN_OK) return status;
     if (!take_first_samples(pass)) return SATIN_CANCELLED;
     if (!image->taken) return SATIN_OK;
-    *per_sample = (stats_wall() - start) / (double)image->taken;
+    *per_sample = render_agreed(r, stats_wall() - start) / (double)image->taken;
     plan_samples(r);
     return SATIN_OK;
 }
@@ -172,7 +172,7 @@ static satin_status take_passes(struct image_pass *pass, bool restored, double p
         if (status == SATIN_OK && !render_pass_run(pass)) status = SATIN_CANCELLED;
         if (status != SATIN_OK) break;
         end_pass(r);
-        per_sample = (stats_wall() - start) / (double)samples;
+        per_sample = render_agreed(r, stats_wall() - start) / (double)samples;
         status = take_rims(r);
     }
     return status;

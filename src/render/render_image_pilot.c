@@ -90,7 +90,8 @@ satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
     }
     render_limit_restore(r, limit);
     if (whole) {
-        pace->samples = RENDER_PILOT_SAMPLES * (double)pixels / fmax(stats_wall() - start, 1e-9);
+        const double seconds = render_agreed(r, stats_wall() - start);
+        pace->samples = RENDER_PILOT_SAMPLES * (double)pixels / fmax(seconds, 1e-9);
         pace->variance = adaptive_variance(&pilot.adapt);
         pace->indirect2 = mean_square_indirect(&pilot);
     }

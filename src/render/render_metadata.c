@@ -47,11 +47,22 @@ static void set_camera(const struct satin_scene *scene, struct film_camera *out)
     out->known = true;
 }
 
+static void set_ranks(struct render *r) {
+    const satin_ranks *ranks = r->callbacks.ranks;
+    if (!ranks) return;
+    const struct parallel_traffic traffic = parallel_traffic(r->pool);
+    stats_set(&r->stats, "ranks.count", ranks->count);
+    stats_set(&r->stats, "ranks.loops", traffic.loops);
+    stats_set(&r->stats, "ranks.results_bytes", traffic.bytes);
+    stats_set(&r->stats, "ranks.exchange_s", traffic.seconds);
+}
+
 bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.total_s", render_elapsed(r));
     stats_set(&r->stats, "time.load_s", r->scene.load_span.wall_s);
     stats_set(&r->stats, "time.cpu_s", stats_cpu());
     stats_set(&r->stats, "render.threads", parallel_threads(r->pool));
+    set_ranks(r);
     stats_set(&r->stats, "memory.peak_bytes", stats_peak_memory());
     stats_set_span(&r->stats, "load", span_without(r->scene.load_span, r->scene.bvh_span));
     stats_set_span(&r->stats, "bvh", r->scene.bvh_span);

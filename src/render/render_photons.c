@@ -126,7 +126,7 @@ satin_status render_photons(struct render *r) {
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow) return status;
     const struct render_more_photons more =
-        render_budget_photons(r, photon_seconds(&r->stats), starved(r, first));
+        render_budget_photons(r, render_agreed(r, photon_seconds(&r->stats)), starved(r, first));
     return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;
 }
 

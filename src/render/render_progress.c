@@ -123,7 +123,8 @@ static bool loop_must_end(void *user, double done) {
     const struct render_progress *at = &r->progress;
     render_progress_report(r, at->loop_done + done * at->loop_span);
     const bool unwanted = render_cancelled(r) && !render_steps(r)->coarse;
-    return unwanted || render_elapsed(r) > at->deadline || render_checkpoint_due(r);
+    const bool late = stats_wall() - at->start > at->deadline;
+    return unwanted || late || render_checkpoint_due(r);
 }
 
 void render_progress_install(struct render *r) { parallel_set_progress(r->pool, loop_must_end, r); }

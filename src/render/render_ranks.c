@@ -22,8 +22,22 @@ void render_ranks_install(struct render *r) {
     if (r->callbacks.ranks) parallel_set_ranks(r->pool, r->callbacks.ranks, stopped_anywhere, r);
 }
 
+double render_agreed(const struct render *r, double value) {
+    const satin_ranks *ranks = r->callbacks.ranks;
+    if (ranks) ranks->broadcast(ranks->user, 0, &value, sizeof value);
+    return value;
+}
+
 satin_status render_ranks_status(const struct render *r, satin_status status) {
     const satin_ranks *ranks = r->callbacks.ranks;
     if (ranks) ranks->broadcast(ranks->user, 0, &status, sizeof status);
     return status;
+}
+
+satin_status render_ranks_agree(const struct render *r, satin_status status) {
+    const satin_ranks *ranks = r->callbacks.ranks;
+    if (!ranks || !ranks->any(ranks->user, status != SATIN_OK)) return status;
+    const satin_status first = render_ranks_status(r, status);
+    if (status != SATIN_OK) return status;
+    return first != SATIN_OK ? first : SATIN_ERROR_INTERNAL;
 }

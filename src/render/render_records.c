@@ -52,7 +52,7 @@ static satin_status fill_levels(struct record_rounds *rounds, struct render_widt
         free(pixel);
         if (!covering) continue;
         render_budget_level(&r->options, &rounds->covering, stride, count_records(r) - before,
-                            stats_wall() - start, render_budget_first_round(r));
+                            render_agreed(r, stats_wall() - start), render_budget_first_round(r));
         if (render_budget_without_records(&r->options, &rounds->covering, stride))
             render_take_course(r, COURSE_WITHOUT_RECORDS);
     }
@@ -85,7 +85,7 @@ static satin_status fill_timed(struct record_rounds *rounds) {
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
-                                           fmax(stats_wall() - start, 1e-9)};
+                                           fmax(render_agreed(r, stats_wall() - start), 1e-9)};
         status = render_image_pilot(r, &pace);
         if (status == SATIN_OK) render_limit_records(r, &pace);
     }

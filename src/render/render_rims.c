@@ -87,6 +87,28 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
+static void pack_rims(void *ctx, size_t begin, size_t end, struct bytes *out) {
+    const struct rims *rims = ctx;
+    for (size_t i = begin; i < end; i++) {
+        const struct image_pixel *p = &rims->r->image->pixel[rims->pixel[i]];
+        bytes_put(out, &p->rim, sizeof p->rim);
+        bytes_put(out, &p->rim_weight, sizeof p->rim_weight);
+    }
+}
+
+static bool unpack_rims(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+    const struct rims *rims = ctx;
+    for (size_t i = begin; i < end; i++) {
+        struct image_pixel *p = &rims->r->image->pixel[rims->pixel[i]];
+        bytes_get(in, &p->rim, sizeof p->rim);
+        bytes_get(in, &p->rim_weight, sizeof p->rim_weight);
+    }
+    return true;
+}
+
+static const struct parallel_results rims_results = {
+    .pack = pack_rims, .unpack = unpack_rims, .if_cancelled = true};
+
 satin_status render_rims(struct render *r, bool *whole) {
     struct rims rims = {.r = r};
     struct render_image *image = r->image;
@@ -102,7 +124,8 @@ satin_status render_rims(struct render *r, bool *whole) {
     find_rims(&rims);
     if (image->rim_rays == 0 && rims.count > 0)
         image->rim_rays = render_budget_rim_rays(&r->second_pass.options, pixels, rims.count);
-    *whole = parallel_for(r->pool, rims.count, RIMS_CHUNK, trace_rims, &rims);
+    *whole =
+        parallel_for_results(r->pool, rims.count, RIMS_CHUNK, trace_rims, &rims, &rims_results);
     stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);
     free(rims.found);

@@ -208,8 +208,13 @@ void render_checkpoint_write(struct render *r);
 bool render_is_first(const struct render *r);
 // Makes the pool divide its loops between the caller's ranks.
 void render_ranks_install(struct render *r);
+// The value of rank 0 on all ranks, such as a time on which a decision depends.
+double render_agreed(const struct render *r, double value);
 // The status of rank 0 on all ranks.
 satin_status render_ranks_status(const struct render *r, satin_status status);
+// A status that is SATIN_OK only if it is on all ranks. To be called once, by all ranks, when a
+// rank has done all that can fail on it alone.
+satin_status render_ranks_agree(const struct render *r, satin_status status);
 
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine, or from the caller's file; then

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What several processes gain, and how the time of a render would fall with their number.
+
+  bench/ranks.py DIR [SCENE ...]   data scenes by name, others by the path of their file
+
+Every scene is rendered by one, two and four ranks of one thread each, alternating; the wall times
+are the least of all repeats. The model takes CPU times of the first rank, which other processes
+hardly change: loops that are divided take half of their CPU time with two ranks, all others take
+as much as with one. On R ranks a render takes
+
+    serial + undivided + divided / R + loops * hops * LATENCY + bytes / BANDWIDTH
+
+seconds, where the divided loops are joined by log2 R hops each, and each rank gets the results of
+all others. Not in the model: that ranks wait for the last one, which takes one chunk at most.
+"""
+import math
+import os
+
+import runs
+
+RANKS = (1, 2, 4)
+MODEL = (1, 2, 8, 64, 256, 1000)
+LATENCY = 10e-6   # seconds of a hop, of a network of 10 Gbit/s; a fast one has 2e-6
+BANDWIDTH = 1e9   # bytes per second of a rank
+SCENES = ["cornell-glossy", "cornell-metal", "caustic", "indirect-room"]
+
+
+def measure(options, scene, args):
+    """Statistics of the runs by number of ranks."""
+    found = {n: [] for n in RANKS}
+    program = options.satin
+    for _ in range(options.repeats):
+        for n, of in found.items():
+            options.satin = os.path.join(options.dir, "satin-by-ranks") if n > 1 else program
+            if n > 1:
+                with open(options.satin, "w", encoding="utf-8") as file:
+                    file.write(f'#!/bin/sh\nexec mpirun --oversubscribe -n {n} {program} "$@"\n')
+                os.chmod(options.satin, 0o755)
+            of.append(runs.render(options, scene, "ranks", *args, "--threads", "1")[1])
+            options.satin = program
+    return found
+
+
+def cpu(stats, quantity):
+    return {key.split(".")[1]: value for key, value in stats.items()
+            if key.startswith("parts.") and key.endswith("." + quantity)}
+
+
+def least(found, value):
+    return min(value(stats) for stats in found)
+
+
+def print_table(found):
+    names = list(cpu(found[1][0], "parallel_s"))
+    one, two = ({name: least(found[n], lambda s, name=name: cpu(s, "parallel_s").get(name, 0.0))
+                 for name in names} for n in (1, 2))
+    serial = sum(least(found[1], lambda s, name=name: cpu(s, "serial_s").get(name, 0.0))
+                 for name in names)
+    divided = {name: min(max(2 * (one[name] - two[name]), 0.0), one[name]) for name in names}
+    print("| part | CPU in loops, s | with 2 ranks | divided |\n|---|---|---|---|")
+    for name in sorted(names, key=lambda name: -one[name]):
+        if one[name] >= 0.01 * sum(one.values()):
+            print(f"| {name} | {one[name]:.3f} | {two[name]:.3f} | "
+                  f"{100 * divided[name] / one[name]:.0f} % |")
+    loops = max(s.get("ranks.loops", 0.0) for s in found[2])
+    size = max(s.get("ranks.results_bytes", 0.0) for s in found[2])
+    walls = {n: least(found[n], lambda s: s["time.total_s"]) for n in RANKS}
+    print(f"\nSerial {serial:.3f} s; {loops:.0f} divided loops, {size / 1e6:.1f} MB of results. "
+          "Wall time " + ", ".join(f"{walls[n]:.2f} s by {n}" for n in RANKS) + ".")
+    rest = serial + sum(one.values()) - sum(divided.values())
+    model = {}
+    for n in MODEL:
+        exchange = loops * math.log2(n) * LATENCY + size / BANDWIDTH if n > 1 else 0.0
+        model[n] = rest + sum(divided.values()) / n + exchange
+    print("Model: " + ", ".join(f"{model[1] / model[n]:.1f} times as fast by {n} ranks"
+                                for n in MODEL[1:]) + ".\n", flush=True)
+
+
+def main():
+    p = runs.parser(__doc__)
+    p.add_argument("scene", nargs="*", default=SCENES)
+    p.add_argument("--quality", default="production")
+    p.add_argument("--size", default="400x400", help="WIDTHxHEIGHT")
+    p.add_argument("--repeats", type=int, default=2)
+    options = p.parse_args()
+    os.makedirs(options.dir, exist_ok=True)
+    # In a container all are root; Open MPI wants that said.
+    os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    width, height = options.size.split("x")
+    for name in options.scene:
+        scene = name if name.endswith(".xml") else runs.scene_file(name)
+        print(f"{name}, {options.quality}, {options.size}\n", flush=True)
+        print_table(measure(options, scene, ["--quality", options.quality, "--width", width,
+                                             "--height", height]))
+
+
+if __name__ == "__main__":
+    main()
