@@ -17,8 +17,6 @@ static void list_planes(const struct render_image *image, struct image_plane out
     out[4] = (struct image_plane){image->uncached, sizeof *image->uncached};
     for (int i = 0; i < MATTES; i++)
         out[5 + i] = (struct image_plane){image->mattes.pixel[i], sizeof *image->mattes.pixel[i]};
-    for (int i = 0; i < MATTES; i++)
-        out[5 + i] = (struct image_plane){image->mattes.pixel[i], sizeof *image->mattes.pixel[i]};
 }
 
 // Where the pixels of row y of a box begin in a plane.
