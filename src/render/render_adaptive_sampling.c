@@ -22,8 +22,11 @@
 // stratified well enough.
 #define LIGHTS_MOST 16.0f
 enum {
-    // The factor by which the number of samples of a noisy pixel may grow in one pass.
-    ADAPTIVE_GROWTH = 4,
+    // The factor by which the number of samples of a noisy pixel may grow in one pass: half of the
+    // number, as many samples show its noise well enough for more, within these limits. The tail of
+    // a filter beside an edge needs hundreds of samples (docs/experiments.md).
+    ADAPTIVE_GROWTH_LEAST = 4,
+    ADAPTIVE_GROWTH_MOST = 16,
     MULTIPLE = 2,           // samples are added in pairs, which are stratified together
     ADAPTIVE_CHUNK = 4096,  // pixels per chunk
     ADAPTIVE_ROWS = 8,
@@ -213,13 +216,20 @@ static const float *find_wanted(struct adaptive_sampling *adapt) {
     return a;
 }
 
+// The number of samples that a pixel of `count` should have after a pass, if it is to have
+// `wanted`.
+static float limit_samples(float wanted, float count) {
+    return clampf(wanted, count,
+                  clampf(0.5f * count, ADAPTIVE_GROWTH_LEAST, ADAPTIVE_GROWTH_MOST) * count);
+}
+
 static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
     const struct adapting *job = ctx;
     double sum = 0.0;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float count = (float)job->adapt->pixel[i].count;
-        sum += (double)(clampf(job->factor * job->from[i], count, ADAPTIVE_GROWTH * count) - count);
+        sum += (double)(limit_samples(job->factor * job->from[i], count) - count);
     }
     job->adapt->sum[begin / ADAPTIVE_CHUNK] = sum;
 }
@@ -267,7 +277,7 @@ void adaptive_distribute(struct adaptive_sampling *adapt, uint64_t samples) {
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adaptive_pixel *p = &adapt->pixel[i];
         const float count = (float)p->count;
-        owed += (double)(clampf(factor * want[i], count, ADAPTIVE_GROWTH * count) - count) + equal;
+        owed += (double)(limit_samples(factor * want[i], count) - count) + equal;
         const double groups = fmax(floor(owed / MULTIPLE + 0.5), 0.0);
         p->target = p->count + MULTIPLE * (uint32_t)groups;
         owed -= MULTIPLE * groups;

@@ -132,6 +132,23 @@ static void the_number_of_samples_is_kept(void **state) {
         }
 }
 
+// One pixel is noisy. The more samples it has, the larger is the factor by which their number
+// grows, within limits; samples that are left over go to all pixels.
+static void growth_follows_the_number_of_samples(void **state) {
+    (void)state;
+    static const uint32_t count[] = {2, 16, 64}, growth[] = {4, 8, 16};
+    for (int k = 0; k < 3; k++) {
+        struct adaptive_sampling adapt;
+        make_quiet(&adapt, 0.0f);
+        for (int i = 0; i < SIZE * SIZE; i++) adapt.pixel[i].count = count[k];
+        const struct adaptive_pixel *noisy = &adapt.pixel[SIZE * SIZE / 2 + SIZE / 2];
+        adapt.pixel[noisy - adapt.pixel].variance = 1.0f;
+        adaptive_distribute(&adapt, (uint64_t)SIZE * SIZE * count[k]);
+        assert_in_range(noisy->target, growth[k] * count[k], (growth[k] + 1) * count[k] + 2);
+        adaptive_destroy(&adapt);
+    }
+}
+
 // The wanted counts lie far more than 2^24 apart, in a strip of little noise beside one of much
 // noise.
 static void faint_noise_does_not_hide_strong_noise(void **state) {
@@ -210,6 +227,7 @@ int main(void) {
                                        cmocka_unit_test(first_samples_are_on_a_grid),
                                        cmocka_unit_test(the_mean_is_kept),
                                        cmocka_unit_test(the_number_of_samples_is_kept),
+                                       cmocka_unit_test(growth_follows_the_number_of_samples),
                                        cmocka_unit_test(faint_noise_does_not_hide_strong_noise),
                                        cmocka_unit_test(light_samples_go_where_lights_are_noisy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
