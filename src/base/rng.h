@@ -24,7 +24,8 @@ enum rng_stream {
     RNG_CELL,
     RNG_VISIBILITY,
     RNG_SMOOTH,
-    RNG_RIM
+    RNG_RIM,
+    RNG_BOX
 };
 
 struct rng {

@@ -12,9 +12,10 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
     g.clusters = photon_clusters(maps);
     g.lookup_max = maps ? photon_lookup_max(maps) : INFINITY;
     float sphere = 4.0f * PI_F * sqrf(scene->radius);
-    g.wide_lights = scene->environment >= 0;
+    g.wide_lights = g.rays_find_lights = scene->environment >= 0;
     for (uint32_t i = 0; i < scene->light_count; i++) {
         const struct light *light = &scene->light[i];
+        if (light->kind == LIGHT_AREA) g.rays_find_lights = true;
         if (light->kind == LIGHT_AREA && scene->shape[light->shape].area > WIDE_AREA * sphere)
             g.wide_lights = true;
     }

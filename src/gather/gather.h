@@ -36,7 +36,8 @@ struct gather {
     const struct photon_maps *maps;
     const struct guide_clusters *clusters;      // of the maps; may be NULL
     const struct guide_visibility *visibility;  // of the lights; NULL: all are visible
-    bool wide_lights;  // whether lights are so large that light sampling alone is noisy
+    bool wide_lights;       // whether lights are so large that light sampling alone is noisy
+    bool rays_find_lights;  // whether some light is hit by rays: not all are points or directions
     const struct gather_direct *direct;            // NULL: there is none
     const struct photon_progressive *progressive;  // whose photons paths read; NULL: no photons
     float lookup_max;  // photon lookups of a larger radius are not reliable

@@ -113,7 +113,7 @@ float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain 
     const struct light_visibility visibility = guide_visibility_at(g->visibility, p);
     const uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
     const float choice = light_choose_probability(scene, p, visibility, light);
-    if (!hit) return choice * light_environment_pdf(scene, visibility.histogram, chain->d);
+    if (!hit) return choice * light_environment_pdf(scene, visibility.histogram, p, chain->d);
     const vec3 beside = light_chain_beside(chain, p, hit->p);
     const float density = light_chain_density(chain, sqrtf(v3_dist2(beside, hit->p)));
     return choice * density * light_pdf(scene, beside, chain->d, hit);

@@ -42,12 +42,21 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, int paths,
 // The index of the cell of p.
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 
+// ---- The box of the histograms (guide_box.c) ---------------------------------------------------
+
+// Finds the box in whose bins the visibility of the environment, which must exist, is most alike
+// from all points. The result does not depend on the threads of the pool. False if there is no
+// memory or the pool was stopped.
+bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
+                    struct parallel *pool, struct light_box *out);
+
 // ---- What is visible ---------------------------------------------------------------------------
 
 // What was measured in each cell.
 struct guide_visibility {
     struct guide_cells cells;
     bool sky, choice;  // whether histograms, and whether fractions of the lights, were measured
+    struct light_box box;
     struct light_histogram histogram[GUIDE_CELLS_MAX];
     struct light_bins bins[GUIDE_CELLS_MAX];
     float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHTS_MAX];  // visible fraction of each light's

@@ -153,7 +153,7 @@ static bool sample(const struct satin_scene *scene, uint32_t i, struct light_vis
             return true;
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return light_environment_sample(scene, visibility.histogram, u, v, out);
+            return light_environment_sample(scene, visibility.histogram, p, u, v, out);
     }
     return false;
 }

@@ -196,12 +196,17 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
     return SATIN_OK;
 }
 
-// The density of drawing a direction, in the sun or not, given its density by radiance.
-static float mixed_pdf(const struct light *light, const struct light_histogram *histogram, vec3 wi,
-                       bool sun, float pdf_w) {
-    if (histogram) pdf_w = lerpf(pdf_w, light_histogram_pdf(histogram, wi), histogram->fraction);
+// The density of drawing a direction, in the sun or not, given its densities by radiance and by the
+// bins of the histogram.
+static float mixed_pdf(const struct light *light, const struct light_histogram *histogram, bool sun,
+                       float by_radiance, float by_bins) {
+    float pdf_w = histogram ? lerpf(by_radiance, by_bins, histogram->fraction) : by_radiance;
     pdf_w *= 1.0f - light->sun_fraction;
     return sun ? pdf_w + light->sun_fraction / sun_solid_angle(light) : pdf_w;
+}
+
+static float bins_pdf(const struct light_histogram *histogram, vec3 p, vec3 wi) {
+    return histogram ? light_histogram_pdf(histogram, p, wi) : 0.0f;
 }
 
 // The density of drawing a direction by radiance. *L, if not NULL, is set to the radiance there.
@@ -258,27 +263,33 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
 #define PDF_LEAST 1e-18f
 
 bool light_environment_sample(const struct satin_scene *scene,
-                              const struct light_histogram *histogram, float u, float v,
+                              const struct light_histogram *histogram, vec3 p, float u, float v,
                               struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
-    bool sun = light->sun_fraction > 0.0f && choose_with(light->sun_fraction, &u);
+    const bool to_sun = light->sun_fraction > 0.0f && choose_with(light->sun_fraction, &u);
+    const bool to_bins = !to_sun && histogram && choose_with(histogram->fraction, &u);
+    float by_radiance, by_bins = 0.0f;
     *out = (struct light_sample){.dist = INFINITY};
-    if (sun || (histogram && choose_with(histogram->fraction, &u))) {
-        out->wi = sun ? sun_direction(light, u, v) : light_histogram_sample(histogram, u, v);
-        out->pdf_w = radiance_pdf(light, out->wi, &out->L);
-    } else {
-        out->wi = sample_radiance(light, u, v, &out->pdf_w, &out->L);
-    }
-    sun = sun || in_sun(light, out->wi);  // at the edge of the sun, rounding may move it outside
+    if (to_sun)
+        out->wi = sun_direction(light, u, v);
+    else if (to_bins)
+        out->wi = light_histogram_sample(histogram, p, u, v, &by_bins);
+    else
+        out->wi = sample_radiance(light, u, v, &by_radiance, &out->L);
+    if (to_sun || to_bins) by_radiance = radiance_pdf(light, out->wi, &out->L);
+    if (!to_bins) by_bins = bins_pdf(histogram, p, out->wi);
+    // At the edge of the sun, rounding may move the direction outside.
+    const bool sun = to_sun || in_sun(light, out->wi);
     if (sun) out->L = rgb_add(out->L, light->sun_value);
-    out->pdf_w = mixed_pdf(light, histogram, out->wi, sun, out->pdf_w);
+    out->pdf_w = mixed_pdf(light, histogram, sun, by_radiance, by_bins);
     return out->pdf_w > PDF_LEAST && !rgb_black(out->L);
 }
 
 float light_environment_pdf(const struct satin_scene *scene,
-                            const struct light_histogram *histogram, vec3 wi) {
+                            const struct light_histogram *histogram, vec3 p, vec3 wi) {
     const struct light *light = &scene->light[scene->environment];
-    return mixed_pdf(light, histogram, wi, in_sun(light, wi), radiance_pdf(light, wi, NULL));
+    return mixed_pdf(light, histogram, in_sun(light, wi), radiance_pdf(light, wi, NULL),
+                     bins_pdf(histogram, p, wi));
 }
 
 rgb light_environment(const struct satin_scene *scene, vec3 w) {

@@ -1,38 +1,112 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visible-environment histograms: directions in bins of equal solid angle, drawn where a cell of
-// the scene has found the environment visible.
+// Visible-environment histograms: directions in bins on the faces of a box around the scene's
+// points, drawn where a cell of the scene has found the environment visible. Bins of directions
+// would show a window in another one from each point of the cell. Within a bin, directions are
+// uniform over its area.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
-vec3 light_histogram_direction(int bin, float u, float v) {
-    return sample_uniform_sphere(
-        sample_stratum(bin / LIGHT_HISTOGRAM_SIDE, u, LIGHT_HISTOGRAM_SIDE),
-        sample_stratum(bin % LIGHT_HISTOGRAM_SIDE, v, LIGHT_HISTOGRAM_SIDE));
+enum { FACE_SIDE = LIGHT_HISTOGRAM_SIDE, ROWS = LIGHT_HISTOGRAM_ROWS };
+
+// The least distance from the faces, in bins: .15, .5 and 1 of them leave a variance of direct
+// light of .0120, .0114 and .0111 in a room with windows, and of .046, .033 and .025 at a window's
+// reveal.
+static const float LEAST_BINS = 1.0f;
+
+struct light_box light_box_make(vec3 lo, vec3 hi) {
+    const vec3 margin = v3_mul(v3_sub(hi, lo), LEAST_BINS / FACE_SIDE);
+    return (struct light_box){lo, hi, {v3_add(lo, margin), v3_sub(hi, margin)}};
 }
 
-void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out) {
-    float sum[LIGHT_HISTOGRAM_SIDE];
-    for (size_t row = 0; row < LIGHT_HISTOGRAM_SIDE; row++)
-        sum[row] = (float)sample_cdf_build(weight + row * LIGHT_HISTOGRAM_SIDE,
-                                           LIGHT_HISTOGRAM_SIDE, out->column[row]);
-    sample_cdf_build(sum, LIGHT_HISTOGRAM_SIDE, out->row);
+static vec3 move_inside(const struct light_box *box, vec3 p) {
+    return v3_min(v3_max(p, box->inside.lo), box->inside.hi);
 }
 
-vec3 light_histogram_sample(const struct light_histogram *histogram, float u, float v) {
-    const struct light_bins *bins = histogram->bins;
-    const int row = (int)sample_cdf(bins->row, LIGHT_HISTOGRAM_SIDE, u, &u);
-    const int column = (int)sample_cdf(bins->column[row], LIGHT_HISTOGRAM_SIDE, v, &v);
-    return light_histogram_direction(row * LIGHT_HISTOGRAM_SIDE + column, u, v);
+// The width of a bin along an axis.
+static float bin_width(const struct light_box *box, int axis) {
+    return (v3_along(box->hi, axis) - v3_along(box->lo, axis)) / FACE_SIDE;
+}
+
+// Faces are numbered by the axis of their normals, the lower one first. Rows are along the next
+// axis, and bins of a row lie side by side along it.
+vec3 light_box_direction(const struct light_box *box, vec3 p, int bin, float u, float v,
+                         float *density) {
+    const int face = bin / (FACE_SIDE * FACE_SIDE), row = bin / FACE_SIDE % FACE_SIDE,
+              column = bin % FACE_SIDE;
+    const int axis = face / 2, next = (axis + 1) % 3, last = (axis + 2) % 3;
+    const float side = bin_width(box, next), height = bin_width(box, last);
+    float q[3];
+    q[axis] = v3_along(face % 2 ? box->hi : box->lo, axis);
+    q[next] = v3_along(box->lo, next) + ((float)column + v) * side;
+    q[last] = v3_along(box->lo, last) + ((float)row + u) * height;
+    const vec3 d = v3_sub(v3(q[0], q[1], q[2]), move_inside(box, p));
+    const float t2 = v3_dot(d, d), t = sqrtf(t2);
+    *density = t2 * t / (fabsf(v3_along(d, axis)) * side * height);
+    return v3_mul(d, 1.0f / t);
 }
 
 static int clamp_bin(float x) {
-    const int i = (int)(x * LIGHT_HISTOGRAM_SIDE);
-    return i < 0 ? 0 : i < LIGHT_HISTOGRAM_SIDE ? i : LIGHT_HISTOGRAM_SIDE - 1;
+    const int i = (int)x;
+    return i < 0 ? 0 : i < FACE_SIDE ? i : FACE_SIDE - 1;
 }
 
-float light_histogram_pdf(const struct light_histogram *histogram, vec3 w) {
-    const int row = clamp_bin(0.5f - 0.5f * w.z), column = clamp_bin(azimuth_fraction(w.y, w.x));
-    const float *rows = histogram->bins->row, *columns = histogram->bins->column[row];
-    return (rows[row + 1] - rows[row]) * (columns[column + 1] - columns[column]) *
-           (LIGHT_HISTOGRAM_BINS * 0.25f / PI_F);
+int light_box_bin(const struct light_box *box, vec3 p, vec3 w, float *density) {
+    const vec3 x = move_inside(box, p);
+    int axis = 0;
+    float t = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        const float d = v3_along(w, i);
+        if (d == 0.0f) continue;
+        const float at = (v3_along(d > 0.0f ? box->hi : box->lo, i) - v3_along(x, i)) / d;
+        if (!(at < t)) continue;
+        t = at;
+        axis = i;
+    }
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    const float side = bin_width(box, next), height = bin_width(box, last);
+    const vec3 q = v3_sub(v3_mad(x, t, w), box->lo);
+    const int face = 2 * axis + (v3_along(w, axis) > 0.0f);
+    *density = t * t / (fabsf(v3_along(w, axis)) * side * height);
+    return (face * FACE_SIDE + clamp_bin(v3_along(q, last) / height)) * FACE_SIDE +
+           clamp_bin(v3_along(q, next) / side);
+}
+
+int light_box_around(int bin, int around[9]) {
+    const int face = bin / (FACE_SIDE * FACE_SIDE), row = bin / FACE_SIDE % FACE_SIDE,
+              column = bin % FACE_SIDE;
+    int count = 0;
+    for (int y = row - 1; y <= row + 1; y++)
+        for (int x = column - 1; x <= column + 1; x++)
+            if (y >= 0 && y < FACE_SIDE && x >= 0 && x < FACE_SIDE)
+                around[count++] = (face * FACE_SIDE + y) * FACE_SIDE + x;
+    return count;
+}
+
+void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out) {
+    float sum[ROWS];
+    for (size_t row = 0; row < ROWS; row++)
+        sum[row] = (float)sample_cdf_build(weight + row * FACE_SIDE, FACE_SIDE, out->column[row]);
+    sample_cdf_build(sum, ROWS, out->row);
+}
+
+static float probability(const struct light_bins *bins, int row, int column) {
+    return (bins->row[row + 1] - bins->row[row]) *
+           (bins->column[row][column + 1] - bins->column[row][column]);
+}
+
+vec3 light_histogram_sample(const struct light_histogram *histogram, vec3 p, float u, float v,
+                            float *pdf_w) {
+    const struct light_bins *bins = histogram->bins;
+    const int row = (int)sample_cdf(bins->row, ROWS, u, &u);
+    const int column = (int)sample_cdf(bins->column[row], FACE_SIDE, v, &v);
+    float density;
+    const vec3 w = light_box_direction(histogram->box, p, row * FACE_SIDE + column, u, v, &density);
+    *pdf_w = probability(bins, row, column) * density;
+    return w;
+}
+
+float light_histogram_pdf(const struct light_histogram *histogram, vec3 p, vec3 w) {
+    float density;
+    const int bin = light_box_bin(histogram->box, p, w, &density);
+    return probability(histogram->bins, bin / FACE_SIDE, bin % FACE_SIDE) * density;
 }

@@ -62,9 +62,10 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
 
 // ---- Histograms (light_histogram.c) -----------------------------------------------------------
 
-// Draw a direction by the bins, and return the density of that over solid angle.
-vec3 light_histogram_sample(const struct light_histogram *histogram, float u, float v);
-float light_histogram_pdf(const struct light_histogram *histogram, vec3 w);
+// Draws a direction from p by the bins; *pdf_w is its density over solid angle.
+vec3 light_histogram_sample(const struct light_histogram *histogram, vec3 p, float u, float v,
+                            float *pdf_w);
+float light_histogram_pdf(const struct light_histogram *histogram, vec3 p, vec3 w);
 
 // ---- Beams (light_beam.c) ---------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Part of light.h: sampling of lights around a point from which only some of them are visible.
-// Samples of an environment that do not go to its sun are divided: a fraction goes to bins of equal
-// solid angle, the others go by radiance.
+// Samples of an environment that do not go to its sun are divided: a fraction goes to bins on the
+// faces of a box, the others go by radiance.
 #ifndef LIGHT_VISIBILITY_H
 #define LIGHT_VISIBILITY_H
 
@@ -14,21 +14,34 @@ struct light;
 struct light_sample;
 struct satin_scene;
 
+// A box, as large as a room, onto whose faces directions are projected: a window is in the same
+// bins from all points of the room, while its direction is not. Points outside `inside` are moved
+// into it first, so that no face is so near that its bins are at grazing angles alone.
+struct light_box {
+    vec3 lo, hi;
+    struct {
+        vec3 lo, hi;
+    } inside;
+};
+// lo < hi in all coordinates.
+struct light_box light_box_make(vec3 lo, vec3 hi);
+
 enum {
-    LIGHT_HISTOGRAM_SIDE = 32,
-    LIGHT_HISTOGRAM_BINS = LIGHT_HISTOGRAM_SIDE * LIGHT_HISTOGRAM_SIDE
+    LIGHT_HISTOGRAM_SIDE = 32,  // rows of a face, and bins of a row
+    LIGHT_HISTOGRAM_ROWS = 6 * LIGHT_HISTOGRAM_SIDE,
+    LIGHT_HISTOGRAM_BINS = LIGHT_HISTOGRAM_ROWS * LIGHT_HISTOGRAM_SIDE
 };
-// The distribution of samples over the bins: first a row is drawn by u, then one of its columns by
-// v, so that strata of u and v stay compact regions of directions. Each cdf is as by
-// sample_cdf_build.
+// The distribution of samples over the bins: first a row is drawn by u, then one of its bins by v,
+// so that strata of u and v stay compact regions. Each cdf is as by sample_cdf_build.
 struct light_bins {
-    float row[LIGHT_HISTOGRAM_SIDE + 1];
-    float column[LIGHT_HISTOGRAM_SIDE][LIGHT_HISTOGRAM_SIDE + 1];  // of each row
+    float row[LIGHT_HISTOGRAM_ROWS + 1];
+    float column[LIGHT_HISTOGRAM_ROWS][LIGHT_HISTOGRAM_SIDE + 1];  // of each row
 };
-// The visible-environment histogram: directions of the world in which the environment is visible.
+// The visible-environment histogram: directions in which the environment is visible.
 struct light_histogram {
     float fraction;  // of the samples, in [0, 1)
     const struct light_bins *bins;
+    const struct light_box *box;
 };
 
 // Up to this many lights are weighted individually at each point; more are chosen by a tree.
@@ -58,17 +71,22 @@ bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
                           struct light_visibility visibility, vec3 p, float u, float v,
                           struct light_sample *out);
 
-// The direction (world) of u, v in [0, 1) within a bin. Rows and columns of bins are along u and v
-// of sample_uniform_sphere.
-vec3 light_histogram_direction(int bin, float u, float v);
+// The direction (unit) from p of u, v in [0, 1) within a bin, in which they are uniform; v is along
+// its row. *density is that of the direction over solid angle [sr^-1].
+vec3 light_box_direction(const struct light_box *box, vec3 p, int bin, float u, float v,
+                         float *density);
+// The bin of a direction (unit) from p, and the density by which light_box_direction draws it.
+int light_box_bin(const struct light_box *box, vec3 p, vec3 w, float *density);
+// The bins around a bin on its face, and itself. Returns their number.
+int light_box_around(int bin, int around[9]);
 // Distributes samples over the bins in proportion to their weights, which are row by row.
 void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out);
-// As light_sample and light_pdf for the environment, which must exist. A NULL histogram means that
-// all of it is visible.
+// As light_sample and light_pdf for the environment, which must exist, at p. A NULL histogram means
+// that all of it is visible.
 bool light_environment_sample(const struct satin_scene *scene,
-                              const struct light_histogram *histogram, float u, float v,
+                              const struct light_histogram *histogram, vec3 p, float u, float v,
                               struct light_sample *out);
 float light_environment_pdf(const struct satin_scene *scene,
-                            const struct light_histogram *histogram, vec3 wi);
+                            const struct light_histogram *histogram, vec3 p, vec3 wi);
 
 #endif

@@ -9,17 +9,6 @@
 // pixels.
 #define FALLBACK_PIXELS 8.0f
 
-// Adds light that is from a record.
-static void add_cached(struct shade_job *job, enum shade_layer layer, rgb L) {
-    job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
-}
-
-// Adds light that is from no record.
-static void add_uncached(struct shade_job *job, enum shade_layer layer, rgb L) {
-    add_cached(job, layer, L);
-    job->out->uncached = rgb_fma(job->out->uncached, job->vertex->T, L);
-}
-
 static struct gather_site site_of(const struct shade_job *job) {
     const struct shading_point *p = &job->vertex->point;
     return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream, false};
@@ -43,7 +32,7 @@ static void gather_diffuse(struct shade_job *job) {
     job->worker->counts.rays += value.rays;
     job->worker->counts.gathered++;
     const rgb E = cache_rotate_irradiance(&value, p->base.n, p->frame.n);
-    add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), E));
+    shade_add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), E));
 }
 
 // What is asked of the records at the vertex.
@@ -68,7 +57,7 @@ static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *valu
         value->has_irradiance = true;
     }
     note_records(job, value->used);
-    add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
+    shade_add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
     return true;
 }
 
@@ -87,9 +76,9 @@ static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan
     }
     note_records(job, value->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->bump);
-    if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, value->glossy));
+    if (shiny) shade_add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, value->glossy));
     if (diffuse)
-        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
+        shade_add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
     return true;
 }
 
@@ -102,8 +91,9 @@ enum { MISSING_DIMENSION = 16 };  // of the sampler, beyond those of sampled lob
 struct lobe_sampling {
     struct gather_single_clusters *clusters;  // at which rays and bounces are aimed, or NULL
     unsigned lobes;
-    int count;           // number of rays
-    float ratio;         // number of BRDF samples per light sample; 0: rays do not find lights
+    int count;    // number of rays
+    int finding;  // number of BRDF samples of the lobes that find lights, these rays and others;
+                  // 0: rays do not find lights
     uint32_t dimension;  // of the sampler, added to that of the job
     uint64_t stream;     // of random decisions at the hits
 };
@@ -162,7 +152,7 @@ static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by
     return rays;
 }
 
-// Importance sampling by gather rays. If by->ratio > 0 they also find lights, weighted against
+// Importance sampling by gather rays. If by->finding > 0 they also find lights, weighted against
 // light samples, and emitted light through specular surfaces.
 static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) {
     const struct gather *g = job->shade->g;
@@ -174,26 +164,26 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
         gather_rays(g, scratch, drawn.ray, (size_t)rays, by->stream);
     else
         gather_single_rays(g, scratch, by->clusters, drawn.ray, (size_t)rays, by->stream);
+    const float ratio = (float)by->finding / (float)job->light_samples.count;
     rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
         const struct gather_ray *ray = &drawn.ray[i];
         const rgb weight = drawn.weight[i], of_diffuse = drawn.diffuse[i];
         if (ray->light_pdf > 0.0f)
-            direct =
-                rgb_fma(direct, weight,
-                        rgb_scale(ray->Le, mis_power(by->ratio * drawn.pdf[i], ray->light_pdf)));
+            direct = rgb_fma(direct, weight,
+                             rgb_scale(ray->Le, mis_power(ratio * drawn.pdf[i], ray->light_pdf)));
         caustic = rgb_fma(caustic, weight, ray->Le_specular);
         diffuse = rgb_fma(diffuse, of_diffuse, ray->L);
         glossy = rgb_fma(glossy, rgb_sub(weight, of_diffuse), ray->L);
     }
     const float each = 1.0f / (float)by->count;
     if (by->lobes & BRDF_DIFFUSE)
-        add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_scale(diffuse, each));
+        shade_add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_scale(diffuse, each));
     if (by->lobes & ~(unsigned)BRDF_DIFFUSE)
-        add_uncached(job, SHADE_INDIRECT_GLOSSY, rgb_scale(glossy, each));
-    if (by->ratio > 0.0f) {
-        add_uncached(job, SHADE_DIRECT, rgb_scale(direct, each));
-        add_uncached(job, SHADE_CAUSTIC, rgb_scale(caustic, each));
+        shade_add_uncached(job, SHADE_INDIRECT_GLOSSY, rgb_scale(glossy, each));
+    if (by->finding > 0) {
+        shade_add_uncached(job, SHADE_DIRECT, rgb_scale(direct, 1.0f / (float)by->finding));
+        shade_add_uncached(job, SHADE_CAUSTIC, rgb_scale(caustic, each));
     }
 }
 
@@ -204,32 +194,11 @@ static void sample_missing(struct shade_job *job, unsigned lobes) {
         gather_single_find(job->shade->g, &v->point, v->pixel, job->worker->gather.singles),
         lobes,
         job->shade->missing.rays,
-        0.0f,
+        0,
         MISSING_DIMENSION,
         rng_mix(job->pixel_stream + 1)};
     sample_lobes(job, &by);
     job->worker->counts.gathered++;
-}
-
-// One BRDF sample of `lobes` that only finds lights.
-static void sample_lights_by_brdf(struct shade_job *job, unsigned lobes, float ratio) {
-    const struct gather *g = job->shade->g;
-    const struct shading_point *p = &job->vertex->point;
-    struct brdf_sample b;
-    struct sampler u = job->sampler;
-    vec2 uv = sampler_2d(&u);
-    if (!brdf_sample(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
-        return;
-    vec3 d = frame_to_world(&p->frame, b.wi);
-    struct interaction hit;
-    bool sky;
-    struct light_found found;
-    if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, gather_panes(g, 1), &hit,
-                    &sky, &found))
-        return;
-    float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, sky ? NULL : &hit);
-    add_uncached(job, SHADE_DIRECT,
-                 rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf)));
 }
 
 // The luminance of direct and indirect light so far.
@@ -250,22 +219,10 @@ void shade_vertex_two_pass(struct shade_job *job) {
         shade_pixel_cache_find(&job->worker->pixel_cache, p, job->vertex->pixel);
     job->worker->counts.points++;
 
-    // Direct light. The samples of glossy lobes, or one additional BRDF sample, are combined with
-    // light samples by multiple importance sampling.
-    const unsigned sampled = indirect ? plan.sampled : 0, rest = p->lobes & BRDF_SMOOTH & ~sampled;
-    const unsigned extra = g->wide_lights ? rest : rest & ~(unsigned)BRDF_DIFFUSE;
-    const float light_count = (float)job->light_samples.count,
-                ratio = (float)o->glossy_samples / light_count;
-    const struct gather_mis mis = {
-        1, {{rest & ~extra, 0.0f}, {extra, 1.0f / light_count}, {sampled, ratio}}};
-    float variance;
+    // The gather rays of glossy lobes find lights too.
+    const unsigned sampled = indirect ? plan.sampled : 0;
     const float before = added_luminance(job);
-    add_uncached(job, SHADE_DIRECT,
-                 gather_sample_lights(g, p, mis, job->light_samples, job->sampler, &variance));
-    job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
-    job->sampler.dimension += 2;
-    if (extra) sample_lights_by_brdf(job, extra, 1.0f / light_count);
-    job->sampler.dimension += 2;
+    const int finding = shade_direct(job, sampled, sampled ? o->glossy_samples : 0);
     if (!indirect) return;
     if (o->record_maps && job->shade->interpolates &&
         cache_has_record_near(job->shade->records.cache, p->interaction.p, p->base.n,
@@ -282,13 +239,13 @@ void shade_vertex_two_pass(struct shade_job *job) {
     else if (plan.diffuse && !diffuse_cached(job, value))
         sample_missing(job, plan.diffuse);
     if (plan.sampled) {
-        const struct lobe_sampling by = {NULL, plan.sampled,     o->glossy_samples, ratio,
+        const struct lobe_sampling by = {NULL, plan.sampled,     o->glossy_samples, finding,
                                          0,    job->pixel_stream};
         sample_lobes(job, &by);
     }
     const struct photon_other_light other = {added_luminance(job) - before, u_caustic};
     if (caustic)
-        add_uncached(job, SHADE_CAUSTIC,
-                     photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf,
-                                    p->wo_l, caustic, other));
+        shade_add_uncached(job, SHADE_CAUSTIC,
+                           photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame,
+                                          &p->brdf, p->wo_l, caustic, other));
 }

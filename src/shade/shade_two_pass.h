@@ -16,6 +16,22 @@ struct shade_job {
     struct shade_sample *out;  // the layers to which light is added, times the vertex's throughput
 };
 
+// Adds light that is from a record.
+static inline void shade_add_cached(struct shade_job *job, enum shade_layer layer, rgb L) {
+    job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
+}
+
+// Adds light that is from no record.
+static inline void shade_add_uncached(struct shade_job *job, enum shade_layer layer, rgb L) {
+    shade_add_cached(job, layer, L);
+    job->out->uncached = rgb_fma(job->out->uncached, job->vertex->T, L);
+}
+
+// Adds direct light (shade_direct.c). `rays` gather rays of the lobes `sampled`, drawn by the
+// caller, find lights too. Returns how many BRDF samples of these lobes find lights: those rays,
+// and further samples that shade_direct has taken. They are weighted by that number.
+int shade_direct(struct shade_job *job, unsigned sampled, int rays);
+
 // Integrator two-pass: adds direct, caustic, cached, gathered and importance-sampled light at the
 // vertex.
 void shade_vertex_two_pass(struct shade_job *job);

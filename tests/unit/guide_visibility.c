@@ -52,7 +52,7 @@ static struct guide_visibility_tally guide_visibility_sample(
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const vec2 u = sample_sobol2(i, 3);
         struct light_sample s;
-        assert_true(light_environment_sample(&t->scene, histogram, u.x, u.y, &s));
+        assert_true(light_environment_sample(&t->scene, histogram, p, u.x, u.y, &s));
         struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), s.wi);
         if (!(s.wi.z > 0.0f) || scene_occluded(&t->scene, &ray)) continue;
         tally.visible += 1.0 / SAMPLES;
@@ -97,9 +97,21 @@ static void samples_go_through_the_hole(void **state) {
         assert_non_null(histogram);
         const struct guide_visibility_tally blind = guide_visibility_sample(&t, NULL, p),
                                             guided = guide_visibility_sample(&t, histogram, p);
-        assert_true(guided.visible > 30.0 * blind.visible);
+        assert_true(guided.visible > 30.0 * blind.visible && guided.visible > 0.6);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
+    end(&t, all);
+}
+
+// The hole is in the wall at x = 1 to 1.1. Its bins are the same from all of the room if the face
+// is there.
+static void the_box_ends_at_the_hole(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct guide_visibility *all = begin(&t, true, 0, 2);
+    const struct light_box *box = guide_visibility_at(all, v3(0, 0, -1)).histogram->box;
+    print_message("face at %.3f\n", (double)box->hi.x);
+    assert_true(box->hi.x > 0.95f && box->hi.x < 1.15f);
     end(&t, all);
 }
 
@@ -116,8 +128,8 @@ static double guide_visibility_rare(const struct test_scene *t, const struct gui
         struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), w);
         if (scene_occluded(&t->scene, &ray)) continue;
         E += 1.0;
-        if (light_environment_pdf(&t->scene, histogram, w) <
-            light_environment_pdf(&t->scene, NULL, w))
+        if (light_environment_pdf(&t->scene, histogram, p, w) <
+            light_environment_pdf(&t->scene, NULL, p, w))
             rare += 1.0;
     }
     return rare / E;
@@ -189,6 +201,7 @@ static void threads_do_not_change_visibility(void **state) {
         const struct light_histogram *a = guide_visibility_at(one, p).histogram;
         const struct light_histogram *b = guide_visibility_at(three, p).histogram;
         assert_memory_equal(a->bins, b->bins, sizeof *a->bins);
+        assert_memory_equal(a->box, b->box, sizeof *a->box);
     }
     guide_visibility_free(one);
     guide_visibility_free(three);
@@ -198,6 +211,7 @@ static void threads_do_not_change_visibility(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_go_through_the_hole),
+        cmocka_unit_test(the_box_ends_at_the_hole),
         cmocka_unit_test(rays_of_other_cells_find_what_those_of_one_miss),
         cmocka_unit_test(samples_of_an_open_floor_go_to_the_sky),
         cmocka_unit_test(without_a_sky_there_is_no_histogram),

@@ -26,7 +26,7 @@ static int light_cell_of(const struct frame *f, vec3 w) {
 // The density at p in direction w that MIS would use.
 static float light_density(const struct satin_scene *scene, uint32_t light, vec3 p, vec3 w) {
     enum light_kind kind = scene->light[light].kind;
-    if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, w);
+    if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, p, w);
     struct ray ray = {p, 0.0f, w, INFINITY};
     struct interaction s;
     if (!scene_intersect(scene, &ray, &s) || s.light != (int32_t)light) return 0.0f;

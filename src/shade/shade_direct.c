@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Direct light at a vertex: light samples and BRDF samples, weighted by the power heuristic [Veach
+// 1997, 9.2]. A glossy lobe takes as many BRDF samples as light samples, because those of the other
+// kind cannot replace them: where the floor of a room reflects its windows, a light sample is
+// rarely in the lobe, and a sample of the lobe often beside the window. The lobes are sampled one
+// by one, because a faint coat would get few of the samples of all lobes together. A diffuse lobe
+// takes one: it only meets the light that light samples miss.
+#include "shade/shade_two_pass.h"
+
+// The light that one BRDF sample of `lobes` finds, weighted against the light samples.
+static rgb find_light(const struct shade_job *job, unsigned lobes, float ratio, struct sampler u) {
+    const struct gather *g = job->shade->g;
+    const struct shading_point *p = &job->vertex->point;
+    const rgb none = rgb_grey(0.0f);
+    struct brdf_sample b;
+    const vec2 uv = sampler_2d(&u);
+    if (!brdf_sample(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
+        return none;
+    const vec3 d = frame_to_world(&p->frame, b.wi);
+    struct interaction hit;
+    bool sky;
+    struct light_found found;
+    if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, gather_panes(g, 1), &hit,
+                    &sky, &found))
+        return none;
+    const float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, sky ? NULL : &hit);
+    return rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf));
+}
+
+// Adds `count` of `all` BRDF samples of the lobes; gather rays are the others. Returns the variance
+// of the luminance of one, 0 if there are less than two.
+static float add_brdf_samples(struct shade_job *job, unsigned lobes, int count, int all,
+                              uint32_t first) {
+    const float ratio = (float)all / (float)job->light_samples.count;
+    rgb sum = rgb_grey(0.0f);
+    float squares = 0.0f;
+    for (int i = 0; i < count; i++) {
+        const struct sampler u = {first + (uint32_t)i, job->sampler.seed, job->sampler.dimension};
+        const rgb L = find_light(job, lobes, ratio, u);
+        sum = rgb_add(sum, L);
+        squares += sqrf(rgb_luminance(L));
+    }
+    shade_add_uncached(job, SHADE_DIRECT, rgb_scale(sum, 1.0f / (float)all));
+    const float n = (float)count;
+    return count > 1 ? fmaxf(squares - sqrf(rgb_luminance(sum)) / n, 0.0f) / (n - 1.0f) : 0.0f;
+}
+
+int shade_direct(struct shade_job *job, unsigned sampled, int rays) {
+    const struct gather *g = job->shade->g;
+    const struct shading_point *p = &job->vertex->point;
+    const struct gather_light_samples light_samples = job->light_samples;
+    const int lights = light_samples.count, of_glossy = g->rays_find_lights ? lights : 0;
+    const int of_sampled = of_glossy > rays ? of_glossy : rays;
+    const unsigned diffuse = p->lobes & BRDF_DIFFUSE & ~sampled;
+    const unsigned glossy = p->lobes & BRDF_SMOOTH & ~sampled & ~diffuse;
+    const bool by_diffuse = diffuse && g->wide_lights;
+    const struct gather_mis mis = {1,
+                                   {{diffuse, by_diffuse ? 1.0f / (float)lights : 0.0f},
+                                    {glossy, (float)of_glossy / (float)lights},
+                                    {sampled, (float)of_sampled / (float)lights}}};
+    float variance;
+    shade_add_uncached(job, SHADE_DIRECT,
+                       gather_sample_lights(g, p, mis, light_samples, job->sampler, &variance));
+    job->sampler.dimension += 2;
+    if (by_diffuse) add_brdf_samples(job, diffuse, 1, 1, job->sampler.index);
+    job->sampler.dimension += 2;
+    if (glossy && of_glossy)
+        variance += add_brdf_samples(job, glossy, of_glossy, of_glossy, light_samples.first);
+    if (sampled && of_sampled > rays)
+        variance +=
+            add_brdf_samples(job, sampled, of_sampled - rays, of_sampled, light_samples.first);
+    job->sampler.dimension += 2;
+    job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
+    return of_sampled;
+}
