@@ -153,7 +153,9 @@ static satin_status render_scene(const struct app_render_request *r, const satin
     // The user's options were checked before, so an error here is in the scene's options.
     satin_status status = satin_options_resolve(scene, r->setting, r->setting_count, app_log_file,
                                                 progress, &options);
-    if (status != SATIN_OK) return status;
+    // Ranks may have read other scenes, of which one has an error in its options.
+    if (app_ranks_agree(r->ranks, app_exit_of(status)) != APP_DONE)
+        return status != SATIN_OK ? status : SATIN_ERROR_INTERNAL;
     // The time limit includes the time for reading the scene.
     if (options.time > 0.0)
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
@@ -202,6 +204,14 @@ static int load_and_render(struct app_render_request *r) {
     return result;
 }
 
+// All ranks show help or none does.
+static int check_help(const struct app_render_request *r) {
+    const satin_ranks *ranks = r->ranks->ranks;
+    bool first = r->help;
+    if (ranks) ranks->broadcast(ranks->user, 0, &first, sizeof first);
+    return first == r->help ? APP_DONE : app_wrong("not all processes have --help");
+}
+
 int app_render(int argc, char **argv) {
     struct app_ranks ranks;
     struct app_render_request r = {.ranks = &ranks};
@@ -210,6 +220,8 @@ int app_render(int argc, char **argv) {
     // An argument sets at most four options.
     r.setting = calloc(4 * (size_t)argc + 1, sizeof *r.setting);
     int result = r.define && r.setting ? app_render_read(argc, argv, &r) : app_no_memory();
+    result = app_ranks_agree(&ranks, result);
+    if (result == APP_DONE) result = app_ranks_agree(&ranks, check_help(&r));
     if (result == APP_DONE && r.help)
         result = app_ranks_first(&ranks) ? app_help(1, (char *[]){"render"}) : APP_DONE;
     else if (result == APP_DONE && ranks.ranks && strcmp(r.scene, APP_STDIN) == 0)

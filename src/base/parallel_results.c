@@ -111,10 +111,14 @@ static void pack_chunk(const struct results_loop *loop, size_t chunk, struct byt
     memcpy(out->data + size_at, &size, sizeof size);
 }
 
-// SATIN_ERROR_INPUT if the bytes are not results of the loop.
-static satin_status unpack_chunk(const struct results_loop *loop, struct bytes_reader *in) {
+// SATIN_ERROR_INPUT if the bytes are not results of the loop, or those of a chunk before
+// *next, which becomes the chunk after this one.
+static satin_status unpack_chunk(const struct results_loop *loop, struct bytes_reader *in,
+                                 uint64_t *next) {
     const uint64_t chunk = bytes_get_u64(in), size = bytes_get_u64(in);
-    if (in->failed || chunk >= loop->chunks || size > in->left) return SATIN_ERROR_INPUT;
+    if (in->failed || chunk < *next || chunk >= loop->chunks || size > in->left)
+        return SATIN_ERROR_INPUT;
+    *next = chunk + 1;
     struct bytes_reader one = {in->at, (size_t)size, false};
     in->at += size;
     in->left -= (size_t)size;
@@ -130,11 +134,15 @@ static satin_status unpack_chunk(const struct results_loop *loop, struct bytes_r
     return taken ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
-static satin_status unpack_chunks(const struct results_loop *loop, const struct bytes *bytes) {
+// Chunks have rising indices: those of a rank, or all of them if there are `least`.
+static satin_status unpack_chunks(const struct results_loop *loop, const struct bytes *bytes,
+                                  size_t least) {
     struct bytes_reader in = {bytes->data, bytes->count, false};
     const uint64_t count = bytes_get_u64(&in);
-    satin_status status = count > loop->chunks ? SATIN_ERROR_INPUT : SATIN_OK;
-    for (uint64_t i = 0; i < count && status == SATIN_OK; i++) status = unpack_chunk(loop, &in);
+    uint64_t next = 0;
+    satin_status status = count < least || count > loop->chunks ? SATIN_ERROR_INPUT : SATIN_OK;
+    for (uint64_t i = 0; i < count && status == SATIN_OK; i++)
+        status = unpack_chunk(loop, &in, &next);
     return status == SATIN_OK && (in.failed || in.left > 0) ? SATIN_ERROR_INPUT : status;
 }
 
@@ -174,7 +182,7 @@ static satin_status exchange_results(const struct results_loop *loop) {
         const bool is_own = root == ranks->rank;
         status = broadcast_bytes(ranks, root, is_own ? &own : &other);
         division->traffic.bytes += (double)(is_own ? own.count : other.count);
-        if (status == SATIN_OK && !is_own) status = unpack_chunks(loop, &other);
+        if (status == SATIN_OK && !is_own) status = unpack_chunks(loop, &other, 0);
     }
     division->traffic.loops += 1.0;
     division->traffic.seconds += stats_wall() - start;
@@ -211,7 +219,8 @@ static bool read_back(const struct results_loop *loop) {
     struct bytes bytes = {0};
     bool found = division->journal && division->journal->read(division->journal->user, &bytes);
     found = parallel_broadcast(loop->pool, found, &bytes);
-    if (found && division->status == SATIN_OK) division->status = unpack_chunks(loop, &bytes);
+    if (found && division->status == SATIN_OK)
+        division->status = unpack_chunks(loop, &bytes, loop->chunks);
     bytes_free(&bytes);
     return found;
 }

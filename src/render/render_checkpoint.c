@@ -34,8 +34,7 @@ bool render_has_checkpoint(const struct render *r) { return r->callbacks.checkpo
 // Options that do not affect the image.
 static bool affects_image(const char *option) { return !text_same_name(option, "threads"); }
 
-// All that the image depends on, as `name=value` words. From malloc; NULL if there is no memory.
-static char *identity_of(const struct render *r) {
+char *render_identity(const struct render *r) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -50,21 +49,15 @@ static char *identity_of(const struct render *r) {
     return NULL;
 }
 
-// A word `name=value` of a text of such words, without the blank after it.
-struct word {
-    const char *at;
-    size_t length, name;
-};
-
-static bool next_word(const char **text, struct word *word) {
+bool render_identity_next(const char **text, struct identity_word *word) {
     while (**text == ' ') ++*text;
-    *word = (struct word){*text, strcspn(*text, " "), strcspn(*text, "= ")};
+    *word = (struct identity_word){*text, strcspn(*text, " "), strcspn(*text, "= ")};
     *text += word->length;
     return word->length > 0;
 }
 
-static satin_status refuse_other(const struct render *r, const struct word *here,
-                                 const struct word *there) {
+static satin_status refuse_other(const struct render *r, const struct identity_word *here,
+                                 const struct identity_word *there) {
     const char *path = r->callbacks.checkpoint;
     if (here->name == 5 && strncmp(here->at, "scene", 5) == 0)
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint of another scene", path);
@@ -77,7 +70,7 @@ static satin_status refuse_other(const struct render *r, const struct word *here
 }
 
 // Whether two words are the number of samples per pixel, and that of the checkpoint is less.
-static bool adds_samples(const struct word *here, const struct word *there) {
+static bool adds_samples(const struct identity_word *here, const struct identity_word *there) {
     return here->name == 3 && strncmp(here->at, "spp=", 4) == 0 &&
            strncmp(there->at, "spp=", 4) == 0 && atol(there->at + 4) < atol(here->at + 4);
 }
@@ -85,10 +78,10 @@ static bool adds_samples(const struct word *here, const struct word *there) {
 // Compares the words of two identities. *more: samples are added.
 static satin_status compare_identities(const struct render *r, const char *here, const char *there,
                                        bool *more) {
-    struct word a, b;
+    struct identity_word a, b;
     *more = false;
     for (;;) {
-        const bool left = next_word(&here, &a), right = next_word(&there, &b);
+        const bool left = render_identity_next(&here, &a), right = render_identity_next(&there, &b);
         if (!left && !right) return SATIN_OK;
         if (!left || !right || a.name != b.name || strncmp(a.at, b.at, a.name) != 0)
             return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint of another version",
@@ -129,11 +122,13 @@ static void write_loop(void *user, const struct bytes *results) {
                                    r->callbacks.checkpoint));
 }
 
-// Reads the identity of a file that has existed, or writes that of a new one.
+static struct bytes identity_bytes(const struct render_checkpoint *c) {
+    return (struct bytes){(unsigned char *)c->identity, strlen(c->identity) + 1, 0, false};
+}
+
+// Compares the identity of a file that has existed.
 static satin_status identify(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
-    struct bytes text = {(unsigned char *)c->identity, strlen(c->identity) + 1, 0, false};
-    if (!c->resumed) return checkpoint_file_append(c->file, CHECKPOINT_IDENTITY, &text, r->log);
     struct bytes there = {0};
     satin_status status = SATIN_OK;
     bool more;
@@ -152,12 +147,13 @@ static satin_status open_file(struct render *r) {
     const char *path = r->callbacks.checkpoint;
     if (fileio_files_have(&r->scene.read, path))
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: the scene was read from this file", path);
-    c->identity = identity_of(r);
+    c->identity = render_identity(r);
     if (!c->identity) return SATIN_ERROR_MEMORY;
+    const struct bytes identity = identity_bytes(c);
     satin_status status =
-        checkpoint_file_open(path, r->callbacks.resume, r->log, &c->resumed, &c->file);
+        checkpoint_file_open(path, &identity, r->callbacks.resume, r->log, &c->resumed, &c->file);
     c->reading = c->resumed;
-    if (status == SATIN_OK) status = identify(r);
+    if (status == SATIN_OK && c->resumed) status = identify(r);
     c->journal = (struct parallel_journal){r, read_loop, write_loop};
     return status;
 }
@@ -238,7 +234,7 @@ void render_checkpoint_write(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
     if (!c || !c->file) return;
     struct bytes state = {0};
-    struct bytes identity = {(unsigned char *)c->identity, strlen(c->identity) + 1, 0, false};
+    const struct bytes identity = identity_bytes(c);
     render_image_pack(r->image, &state);
     const satin_status status =
         state.failed

@@ -94,7 +94,6 @@ satin_status checkpoint_file_append(struct checkpoint_file *file, enum checkpoin
         write_range(file->fd, &head, sizeof head, file->next) &&
         write_range(file->fd, entry->data, entry->count, at)) {
         file->next = at + entry->count;
-        if (kind == CHECKPOINT_IDENTITY) file->first = file->next;
         return SATIN_OK;
     }
     const int error = errno;
@@ -153,30 +152,41 @@ static satin_status open_existing(const char *path, struct log log, bool *exists
     return log_fail(log, SATIN_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
 }
 
-// Replaces the open file by a new one with a head alone.
-static satin_status begin_new(const char *path, struct log log, int *fd) {
+// Replaces the open file by a new one with a head and an identity, which appear together.
+static satin_status begin_new(const char *path, const struct bytes *identity, struct log log,
+                              int *fd) {
     const struct file_head head = new_head();
+    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, identity);
+    struct bytes whole = {0};
     bool exists;
+    bytes_put(&whole, &head, sizeof head);
+    bytes_put(&whole, &first, sizeof first);
+    bytes_put(&whole, identity->data, identity->count);
     if (*fd >= 0) close(*fd);
     *fd = -1;
-    satin_status status = fileio_write(log, path, &head, sizeof head);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (!whole.failed) status = fileio_write(log, path, whole.data, whole.count);
+    bytes_free(&whole);
     if (status == SATIN_OK) status = open_existing(path, log, &exists, fd);
     if (status == SATIN_OK && !exists)
         status = log_fail(log, SATIN_ERROR_IO, "%s: cannot open: %s", path, strerror(errno));
     return status;
 }
 
-satin_status checkpoint_file_open(const char *path, bool resume, struct log log, bool *resumed,
-                                  struct checkpoint_file **out) {
+satin_status checkpoint_file_open(const char *path, const struct bytes *identity, bool resume,
+                                  struct log log, bool *resumed, struct checkpoint_file **out) {
     int fd;
     satin_status status = open_existing(path, log, resumed, &fd);
     *resumed = *resumed && resume;
     if (status == SATIN_OK && *resumed) status = check_version(path, fd, log);
-    if (status == SATIN_OK && !*resumed) status = begin_new(path, log, &fd);
+    if (status == SATIN_OK && !*resumed) status = begin_new(path, identity, log, &fd);
     struct checkpoint_file *file = status == SATIN_OK ? malloc(sizeof *file) : NULL;
     if (status == SATIN_OK && !file) status = SATIN_ERROR_MEMORY;
     if (file) {
-        *file = (struct checkpoint_file){path, fd, sizeof(struct file_head), 0};
+        const uint64_t first =
+            sizeof(struct file_head) + sizeof(struct entry_head) + identity->count;
+        *file = *resumed ? (struct checkpoint_file){path, fd, sizeof(struct file_head), 0}
+                         : (struct checkpoint_file){path, fd, first, first};
         *out = file;
     } else if (fd >= 0) {
         close(fd);

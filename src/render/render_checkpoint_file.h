@@ -15,11 +15,12 @@ enum checkpoint_entry {
 
 struct checkpoint_file;
 
-// Makes a new file, or with `resume` opens an existing one, if there is one; *resumed says which.
+// Makes a new file with this identity as its first entry, goes behind it, or with `resume` opens an
+// existing one, if there is one; *resumed says which.
 // Another process that uses the file, a file that is no checkpoint, and one of another version are
 // refused with one logged line. `path` must stay valid as long as *out.
-satin_status checkpoint_file_open(const char *path, bool resume, struct log log, bool *resumed,
-                                  struct checkpoint_file **out);
+satin_status checkpoint_file_open(const char *path, const struct bytes *identity, bool resume,
+                                  struct log log, bool *resumed, struct checkpoint_file **out);
 void checkpoint_file_close(struct checkpoint_file *file);  // NULL is allowed
 
 // Sets *out to the next entry and goes to the one after it, if that can be: the state of an image

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A render by several processes, its ranks. All of them run all steps, with the same decisions; the
 // loops that take long are divided between them (base/parallel_results.c).
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/fileio.h"
 #include "render/render_state.h"
 
 bool render_is_first(const struct render *r) {
@@ -40,4 +45,58 @@ satin_status render_ranks_agree(const struct render *r, satin_status status) {
     const satin_status first = render_ranks_status(r, status);
     if (status != SATIN_OK) return status;
     return first != SATIN_OK ? first : SATIN_ERROR_INTERNAL;
+}
+
+// ---- The same render on all ranks ---------------------------------------------------------------
+
+// One line about the first word that rank `root` has otherwise than this one.
+static void report_unequal(const struct render *r, int root, const char *here, const char *there) {
+    struct identity_word a, b;
+    bool same = true;
+    while (same && render_identity_next(&here, &a))
+        same = render_identity_next(&there, &b) && a.length == b.length &&
+               memcmp(a.at, b.at, a.length) == 0;
+    if (same) return;
+    if (a.name == 5 && strncmp(a.at, "scene", 5) == 0)
+        log_message(r->log, SATIN_LOG_ERROR, "rank %d has read another scene than rank 0", root);
+    else
+        log_message(r->log, SATIN_LOG_ERROR, "rank %d has %.*s, but rank 0 has %.*s", root,
+                    (int)b.length, b.at, (int)a.length, a.at);
+}
+
+// Sends the identities of all ranks to rank 0, which names the first that differs.
+static void find_unequal(const struct render *r, const char *own) {
+    const satin_ranks *ranks = r->callbacks.ranks;
+    enum { IDENTITY_BYTES = 1 << 14 };  // some 3000 are used
+    bool found = false;
+    for (int root = 1; root < ranks->count; root++) {
+        char other[IDENTITY_BYTES] = "";
+        if (root == ranks->rank) snprintf(other, sizeof other, "%s", own);
+        ranks->broadcast(ranks->user, root, other, sizeof other);
+        other[sizeof other - 1] = 0;
+        if (found || strcmp(own, other) == 0) continue;
+        found = true;
+        report_unequal(r, root, own, other);
+    }
+}
+
+satin_status render_ranks_compare(const struct render *r) {
+    const satin_ranks *ranks = r->callbacks.ranks;
+    if (!ranks) return SATIN_OK;
+    char *words = render_identity(r);
+    const size_t size = words ? strlen(words) + sizeof " checkpoint=1" : 0;
+    char *own = words ? malloc(size) : NULL;
+    if (own) snprintf(own, size, "%s checkpoint=%d", words, r->callbacks.checkpoint != NULL);
+    free(words);
+    if (ranks->any(ranks->user, !own)) {
+        free(own);
+        return SATIN_ERROR_MEMORY;
+    }
+    const uint64_t hash = fileio_hash(FILEIO_HASH, own, strlen(own));
+    uint64_t first = hash;
+    ranks->broadcast(ranks->user, 0, &first, sizeof first);
+    const bool differ = ranks->any(ranks->user, first != hash);
+    if (differ) find_unequal(r, own);
+    free(own);
+    return differ ? SATIN_ERROR_INPUT : SATIN_OK;
 }

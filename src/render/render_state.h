@@ -190,6 +190,15 @@ satin_status render_checkpoint_open(struct render *r);
 // taken from the checkpoint or from other ranks; logged.
 satin_status render_checkpoint_check(const struct render *r, satin_status status);
 void render_checkpoint_free(struct render *r);
+// All that the image depends on, as `name=value` words. From malloc; NULL if there is no memory.
+char *render_identity(const struct render *r);
+// A word `name=value` of such a text, without the blank after it.
+struct identity_word {
+    const char *at;
+    size_t length, name;  // bytes of the whole word and of its name
+};
+// Goes behind the next word. False, and a word of no length, if there is none.
+bool render_identity_next(const char **text, struct identity_word *word);
 // Whether the caller has a checkpoint, on any rank.
 bool render_has_checkpoint(const struct render *r);
 // To be called when all before the image is done. *restored: the image is as it was when its state
@@ -215,6 +224,9 @@ satin_status render_ranks_status(const struct render *r, satin_status status);
 // A status that is SATIN_OK only if it is on all ranks. To be called once, by all ranks, when a
 // rank has done all that can fail on it alone.
 satin_status render_ranks_agree(const struct render *r, satin_status status);
+// To be called by all ranks: SATIN_ERROR_INPUT on all, logged, if they have not all the same scene,
+// options and version, and a checkpoint or none.
+satin_status render_ranks_compare(const struct render *r);
 
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine, or from the caller's file; then
