@@ -84,8 +84,9 @@ void app_begin_silence(void) { is_silent = true; }
 void app_end_silence(const char *prefix, int number) {
     is_silent = false;
     if (!*silenced) return;
-    fprintf(stderr, prefix, number);
-    fprintf(stderr, "%s\n", silenced);
+    char before[64];
+    snprintf(before, sizeof before, prefix, number);
+    fprintf(stderr, "%s%s\n", before, silenced);  // in one piece, as others print too
     *silenced = 0;
 }
 
