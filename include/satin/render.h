@@ -102,10 +102,12 @@ typedef struct satin_callbacks {
 // other than `callbacks` is NULL; SATIN_ERROR_IO; SATIN_ERROR_MEMORY; SATIN_ERROR_INTERNAL: a
 // library failed.
 //
-// Radiance is in W m^-2 sr^-1, lengths are in the scene's unit, options->time is in seconds.
-// Thread-safe: several threads may render the same scene at once, each with threads of its own as
-// options->threads sets; `options` is not used after the call returns. The film's pixels depend
-// only on scene and options, not on threads, unless options->time cuts the render short.
+// Radiance is in W m^-2 sr^-1, lengths are in the scene's unit, options->time is in seconds. All
+// memory of a render but the film is freed when it ends, whatever its status, so that a program may
+// render as often as it needs to. Thread-safe: several threads may render the same scene at once,
+// each with threads of its own as options->threads sets; `options` is not used after the call
+// returns. The film's pixels depend only on scene and options, not on threads, unless options->time
+// cuts the render short.
 SATIN_API satin_status satin_render(const satin_scene *scene, const satin_options *options,
                                     const satin_callbacks *callbacks, satin_film **film);
 
