@@ -20,8 +20,8 @@ struct guide_view {
     int seen_count, specular_count;  // numbers of points; 0: there are no boxes
     struct light_target seen[GUIDE_VIEW_BOXES], specular[GUIDE_VIEW_BOXES];
 };
-// Follows this many paths from the eye, at most GUIDE_VIEW_PATHS_MAX, on all threads of the pool; a
-// NULL pool is one thread. The result does not depend on their number.
+// Follows this many paths from the cameras of the scene, at most GUIDE_VIEW_PATHS_MAX, on all
+// threads of the pool; a NULL pool is one thread. The result does not depend on their number.
 void guide_view_make(const struct satin_scene *scene, uint64_t seed, int paths,
                      struct parallel *pool, struct guide_view *out);
 // Follows the ray through ideal specular surfaces to one with a smooth lobe, whose normal is *n.
@@ -29,7 +29,7 @@ void guide_view_make(const struct satin_scene *scene, uint64_t seed, int paths,
 // lengths.
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
                        struct interaction *s, vec3 *n, struct light_chain *chain);
-// Does what guide_view_follow does, for the eye ray of path i.
+// Does what guide_view_follow does, for the eye ray of path i, of one of the scene's cameras.
 bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n);
 // Aims at those boxes that are small compared to `all`, the box of everything that can be hit.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the visible region of the scene by a few paths: from the eye to x, the first surface that
+// Finds the region of the scene that is visible, in any of the images, by a few paths: from an eye
+// to x, the first surface that
 // is not ideal specular, and from there along a direction of a gather ray. The median length of
 // these rays limits the radius of photon lookups. Boxes around the points x, and around the ideal
 // specular surfaces that the rays hit, show where caustic photons are useful. A box holds the
@@ -111,10 +112,9 @@ bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng
                     struct interaction *s, vec3 *n) {
     const struct film_spec *film = &scene->film;
     const vec2 pixel = sample_sobol2(i, 0);
-    float spread;
-    struct ray ray =
-        camera_ray(scene, (float)film->crop_x + pixel.x * (float)film->crop_width,
-                   (float)film->crop_y + pixel.y * (float)film->crop_height, 0.5f, 0.5f, &spread);
+    const vec2 at = {(float)film->crop_x + pixel.x * (float)film->crop_width,
+                     (float)film->crop_y + pixel.y * (float)film->crop_height};
+    struct ray ray = camera_ray(scene, camera_sample(scene, i), at, (vec2){0.5f, 0.5f}, NULL);
     struct light_chain chain;
     return guide_view_follow(scene, &ray, rng, s, n, &chain);
 }

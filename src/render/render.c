@@ -73,7 +73,7 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     if (status != SATIN_OK) return status;
     status = render_film_check(&r->scene, &r->second_pass.options, r->log);
     if (status != SATIN_OK) return status;
-    camera_check(&r->scene, r->log);
+    camera_check(&r->scene, &r->scene.camera, r->log);
     return allocate_image(r);
 }
 

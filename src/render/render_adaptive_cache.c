@@ -4,14 +4,11 @@
 
 #include "render/render_state.h"
 
-satin_status render_adaptive_cache(struct render *r) {
-    const int stride = render_budget_adaptive_stride(r->options.width, r->options.height);
-    size_t pixels;
-    uint32_t *pixel = render_grid(r, stride, false, &pixels);
+// Adapts the records to what camera number `view` sees in these pixels.
+static satin_status adapt_view(struct render *r, uint32_t view, const uint32_t *pixel,
+                               size_t pixels) {
     struct render_sites sites = {0};
-    satin_status status =
-        pixel ? render_find_sites(r, pixel, pixels, true, &sites) : SATIN_ERROR_MEMORY;
-    free(pixel);
+    satin_status status = render_find_sites(r, view, pixel, pixels, true, &sites);
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     const float widen[CACHE_KINDS] = {r->options.irradiance_widen, r->options.radiance_widen};
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++) {
@@ -23,5 +20,16 @@ satin_status render_adaptive_cache(struct render *r) {
         status = fill_adapt(r->second_pass.fill, k, &wanted, a[k] * widen[k]);
     }
     render_sites_free(&sites);
+    return status;
+}
+
+satin_status render_adaptive_cache(struct render *r) {
+    const int stride = render_budget_adaptive_stride(r->options.width, r->options.height);
+    size_t pixels;
+    uint32_t *pixel = render_grid(r, stride, false, &pixels);
+    satin_status status = pixel ? SATIN_OK : SATIN_ERROR_MEMORY;
+    for (uint32_t i = 0; i < camera_count(&r->scene) && status == SATIN_OK; i++)
+        status = adapt_view(r, i, pixel, pixels);
+    free(pixel);
     return status;
 }

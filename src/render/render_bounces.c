@@ -46,7 +46,9 @@ static void follow_walks(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) {
         struct rng rng = rng_make(w->image->seed, RNG_BOUNCE, (uint64_t)w->bounce << 32 | i);
         int x = (int)(rng_u32(&rng) * width >> 32), y = (int)(rng_u32(&rng) * height >> 32);
-        w->found[i] = shade_walk(w->shade, x, y, w->bounce, &w->site[i]);
+        struct shade shade = *w->shade;
+        shade.camera = camera_sample(shade.g->scene, (uint32_t)i);
+        w->found[i] = shade_walk(&shade, x, y, w->bounce, &w->site[i]);
     }
 }
 
@@ -84,6 +86,7 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
     if (!fill) return SATIN_ERROR_MEMORY;
     bounce->shade = (struct shade){
         .g = &bounce->gather,
+        .camera = &r->scene.camera,
         .records = cache_reader_make(bounce->cache, &r->second_pass.tables, &bounce->options)};
     film_filter_make(&r->scene.film, &bounce->shade.filter);
     walks->shade = &bounce->shade;

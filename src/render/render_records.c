@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fills the caches over the image's shading points, coarse to fine, in the levels and rounds of
 // render_budget.h. The pixels of a level are shuffled, so that a batch is distributed over the
-// image.
+// image. If there are several views, each level goes through all of them.
 #include <stdlib.h>
 
 #include "render/render_state.h"
@@ -24,21 +24,28 @@ static double count_records(const struct render *r) {
 static satin_status fill_levels(struct record_rounds *rounds, struct render_widths width,
                                 bool covering, double done, double span) {
     struct render *r = rounds->r;
-    struct fill *fill = r->second_pass.fill;
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
+    const uint32_t views = camera_count(&r->scene);
     satin_status status = SATIN_OK;
     int stride = RENDER_COARSEST;
     for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK && render_steps(r)->records;
          level++, stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
-        render_stage_range(r, done + span * level / RENDER_LEVELS, span / RENDER_LEVELS);
-        status = fill_limit_rays(fill, render_budget_rays(&r->options, &rounds->covering, stride));
+        status = fill_limit_rays(r->second_pass.fill,
+                                 render_budget_rays(&r->options, &rounds->covering, stride));
         size_t count;
         uint32_t *pixel = render_grid(r, stride, level > 0, &count);
         if (!pixel) status = SATIN_ERROR_MEMORY;
-        for (size_t i = 0; i < count && status == SATIN_OK; i += BLOCK_PIXELS) {
-            const size_t block = count - i < BLOCK_PIXELS ? count - i : BLOCK_PIXELS;
-            status = render_find_sites(r, pixel + i, block, false, &rounds->sites);
+        // Block by block, one view after another.
+        const size_t blocks = (count + BLOCK_PIXELS - 1) / BLOCK_PIXELS, all = views * blocks;
+        for (size_t i = 0; i < all && status == SATIN_OK; i++) {
+            const uint32_t view = (uint32_t)(i / blocks);
+            const size_t first = i % blocks * BLOCK_PIXELS, left = count - first;
+            const double part = span / RENDER_LEVELS / (double)all;
+            render_stage_range(r, done + span * level / RENDER_LEVELS + part * (double)i, part);
+            status =
+                render_find_sites(r, view, pixel + first, left < BLOCK_PIXELS ? left : BLOCK_PIXELS,
+                                  false, &rounds->sites);
             for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
                  kind++) {
                 const struct fill_sites sites = {.site = rounds->sites.site,
@@ -46,7 +53,7 @@ static satin_status fill_levels(struct record_rounds *rounds, struct render_widt
                                                  .a = a[kind] * width.of[kind],
                                                  .widest = render_budget_widest(&r->options),
                                                  .spacing = 1.5f * (float)stride};
-                status = fill_records(fill, kind, &sites);
+                status = fill_records(r->second_pass.fill, kind, &sites);
             }
         }
         free(pixel);

@@ -14,6 +14,8 @@ enum {
 
 struct site_search {
     const struct render *r;
+    struct shade shade;  // that of the image pass, with the camera of the search
+    uint32_t view;       // index of this camera
     const uint32_t *pixel;
     bool adaptive;
     struct fill_site *found;  // SITES_PER_PIXEL for each pixel of a block
@@ -50,8 +52,11 @@ static void find_pixel_sites(void *ctx, size_t begin, size_t end, int worker) {
     const uint32_t width = (uint32_t)s->r->options.width;
     for (size_t i = begin; i < end; i++) {
         const int x = (int)(s->pixel[i] % width), y = (int)(s->pixel[i] / width);
-        s->count[i] = (uint8_t)shade_sites(&s->r->second_pass.shade, x, y, s->adaptive,
-                                           &s->found[i * SITES_PER_PIXEL], SITES_PER_PIXEL);
+        struct fill_site *found = &s->found[i * SITES_PER_PIXEL];
+        s->count[i] = (uint8_t)shade_sites(&s->shade, x, y, s->adaptive, found, SITES_PER_PIXEL);
+        // Otherwise the records of a pixel would have the same noise in all views.
+        for (int k = 0; k < s->count[i] && s->view > 0; k++)
+            found[k].stream = rng_mix(found[k].stream + s->view);
     }
 }
 
@@ -78,11 +83,13 @@ static satin_status append_sites(struct site_search *s, size_t pixels, struct re
     return parallel_for(s->r->pool, pixels, 64, copy_sites, s) ? SATIN_OK : SATIN_CANCELLED;
 }
 
-satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
-                               struct render_sites *sites) {
+satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *pixel, size_t count,
+                               bool adaptive, struct render_sites *sites) {
     const char *part = parallel_begin_part(r->pool, "sites");
     const size_t most = count < TRACED_PIXELS ? count : TRACED_PIXELS;
-    struct site_search s = {.r = r, .adaptive = adaptive};
+    struct site_search s = {
+        .r = r, .shade = r->second_pass.shade, .view = view, .adaptive = adaptive};
+    s.shade.camera = camera_at(&r->scene, view);
     s.found = array_new_unset(most * SITES_PER_PIXEL, sizeof *s.found);
     s.count = array_new(most, 1);
     s.first = array_new(most, sizeof *s.first);

@@ -300,6 +300,10 @@ struct satin_scene {
     int32_t environment;            // index of the constant or envmap light, or -1
     bool panes;                     // whether some surface may be a pane (light_pane.c)
     struct camera camera;
+    // The cameras of all images that are made with the same photons and records; NULL: `camera`
+    // alone. All have the same film.
+    const struct camera *view;
+    uint32_t view_count;
     struct film_spec film;
     struct scene_hints hints;
     struct trace *trace;
@@ -443,15 +447,27 @@ void shading_point_of(const struct satin_scene *scene, const struct material_sid
 
 // ---- Camera (scene_camera.c) --------------------------------------------------------------------
 
-// The eye ray through film position (x, y), in pixels of the full film with y down. (u, v) in [0,
-// 1)^2 choose the point on the lens. *spread is the ray's width over distance: the footprint of a
-// pixel at distance t is t * spread wide.
-struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u, float v,
-                      float *spread);
-// Logs a warning, with its reason, if the camera sees no shape. There is no warning if the
-// environment is visible, unless it is only the clip planes that hide all shapes
-// (scene_camera_check.c).
-void camera_check(const struct satin_scene *scene, struct log log);
+// The number of the scene's cameras, at least 1, and the camera of that index.
+static inline uint32_t camera_count(const struct satin_scene *scene) {
+    return scene->view ? scene->view_count : 1;
+}
+static inline const struct camera *camera_at(const struct satin_scene *scene, uint32_t index) {
+    return scene->view ? &scene->view[index] : &scene->camera;
+}
+// The camera of sample i of the scene's cameras: successive samples are distributed evenly to all
+// of them, by the golden ratio.
+static inline const struct camera *camera_sample(const struct satin_scene *scene, uint32_t i) {
+    return camera_at(scene, (uint32_t)((uint64_t)(i * 0x9e3779b9u) * camera_count(scene) >> 32));
+}
+// The eye ray of one of the cameras through film position (x, y), in pixels of the full film with y
+// down. (u, v) in [0, 1)^2 choose the point on the lens. *spread is the ray's width over distance:
+// the footprint of a pixel at distance t is t * spread wide.
+struct ray camera_ray(const struct satin_scene *scene, const struct camera *camera, vec2 film,
+                      vec2 lens, float *spread);
+// Logs a warning, with its reason, if the camera sees no shape, and returns whether it did. There
+// is no warning if the environment is visible, unless it is only the clip planes that hide all
+// shapes (scene_camera_check.c).
+bool camera_check(const struct satin_scene *scene, const struct camera *camera, struct log log);
 
 // ---- Filter (scene_film_filter.c) ---------------------------------------------------------------
 

@@ -12,15 +12,15 @@ struct camera_look {
     float first, last;  // least and largest depth of the hits, measured as for the clip planes
 };
 
-static struct camera_look probe_scene(const struct satin_scene *scene) {
-    const struct camera *camera = &scene->camera;
+static struct camera_look probe_scene(const struct satin_scene *scene,
+                                      const struct camera *camera) {
     const struct film_spec *film = &scene->film;
     struct camera_look out = {.first = INFINITY};
     for (uint32_t i = 0; i < RAYS; i++) {
         const vec2 at = sample_sobol2(i, 0);
-        struct ray ray =
-            camera_ray(scene, (float)film->crop_x + at.x * (float)film->crop_width,
-                       (float)film->crop_y + at.y * (float)film->crop_height, 0.5f, 0.5f, NULL);
+        const vec2 pixel = {(float)film->crop_x + at.x * (float)film->crop_width,
+                            (float)film->crop_y + at.y * (float)film->crop_height};
+        struct ray ray = camera_ray(scene, camera, pixel, (vec2){0.5f, 0.5f}, NULL);
         if (scene_occluded(scene, &ray)) out.seen++;
         // Depth per distance along the ray, and depth of the ray's origin.
         float rate = camera->near_clip / ray.tnear, start = 0.0f;
@@ -40,9 +40,9 @@ static struct camera_look probe_scene(const struct satin_scene *scene) {
 }
 
 // Whether all corners of the scene's bounds are behind the camera.
-static bool scene_is_behind(const struct satin_scene *scene) {
-    const vec3 eye = mat4_point(&scene->camera.to_world, v3(0, 0, 0)),
-               d = mat4_vector(&scene->camera.to_world, v3(0, 0, 1)), lo = scene->bounds_lo,
+static bool scene_is_behind(const struct satin_scene *scene, const struct camera *camera) {
+    const vec3 eye = mat4_point(&camera->to_world, v3(0, 0, 0)),
+               d = mat4_vector(&camera->to_world, v3(0, 0, 1)), lo = scene->bounds_lo,
                hi = scene->bounds_hi;
     for (int i = 0; i < 8; i++) {
         const vec3 corner = v3(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
@@ -51,17 +51,20 @@ static bool scene_is_behind(const struct satin_scene *scene) {
     return true;
 }
 
-void camera_check(const struct satin_scene *scene, struct log log) {
-    const struct camera *camera = &scene->camera;
-    if (scene->shape_count == 0) {
-        if (scene->environment < 0)
-            log_message(log, SATIN_LOG_WARNING, "the scene has no shapes: nothing is seen");
-        return;
-    }
-    if (scene->light_count == 0)
-        log_message(log, SATIN_LOG_WARNING, "the scene emits no light: the image is black");
-    const struct camera_look l = probe_scene(scene);
-    if (l.seen > 0) return;
+// Warns if nothing can be seen by any camera.
+static bool check_shapes(const struct satin_scene *scene, struct log log) {
+    const bool empty = scene->shape_count == 0 && scene->environment < 0;
+    const bool dark = scene->shape_count > 0 && scene->light_count == 0;
+    if (empty) log_message(log, SATIN_LOG_WARNING, "the scene has no shapes: nothing is seen");
+    if (dark) log_message(log, SATIN_LOG_WARNING, "the scene emits no light: the image is black");
+    return empty || dark;
+}
+
+bool camera_check(const struct satin_scene *scene, const struct camera *camera, struct log log) {
+    const bool warned = check_shapes(scene, log);
+    if (scene->shape_count == 0) return warned;
+    const struct camera_look l = probe_scene(scene, camera);
+    if (l.seen > 0) return warned;
     if (l.there > 0 && l.first >= camera->far_clip)
         log_message(log, SATIN_LOG_WARNING,
                     "far_clip %g lies before the scene, which begins at %g: no shape is seen",
@@ -78,5 +81,6 @@ void camera_check(const struct satin_scene *scene, struct log log) {
                     (double)l.last);
     else if (scene->environment < 0)
         log_message(log, SATIN_LOG_WARNING, "none of %d camera rays hits a shape%s", RAYS,
-                    scene_is_behind(scene) ? ": the scene is behind it" : "");
+                    scene_is_behind(scene, camera) ? ": the scene is behind it" : "");
+    return warned || l.there > 0 || scene->environment < 0;
 }

@@ -52,6 +52,7 @@ struct shade_missing {
 // Constants of an image pass, and what each worker gathers with.
 struct shade {
     const struct gather *g;
+    const struct camera *camera;  // of the scene of g, through which pixels are seen
     struct cache_reader records;  // how the image pass reads them
     bool interpolates;            // whether samples read the records; otherwise each gathers
     struct shade_missing missing;
@@ -62,6 +63,7 @@ struct shade {
     int worker_count;
 };
 
+// Pixels are seen through the camera of the scene, until `camera` is set to another one.
 // `interpolates` needs a cache in `records`. `missing.rays` is at least 1 and at most
 // SATIN_GLOSSY_SAMPLES_MAX.
 satin_status shade_init(struct shade *shade, const struct gather *g, struct cache_reader records,

@@ -4,9 +4,9 @@
 
 // The change of uv on the tangent plane of s from the eye ray to the one through `film`: the least
 // squares solution of du dp/du + dv dp/dv = dp. 0 if the ray misses the plane or uv is degenerate.
-static vec2 uv_towards(const struct satin_scene *scene, const struct interaction *s, vec2 film,
+static vec2 uv_towards(const struct shade *shade, const struct interaction *s, vec2 film,
                        vec2 lens) {
-    const struct ray ray = camera_ray(scene, film.x, film.y, lens.x, lens.y, NULL);
+    const struct ray ray = camera_ray(shade->g->scene, shade->camera, film, lens, NULL);
     const float t = v3_dot(v3_sub(s->p, ray.o), s->ng) / v3_dot(ray.d, s->ng);
     const vec3 dp = v3_sub(v3_mad(ray.o, t, ray.d), s->p), u = s->dp_du, v = s->dp_dv;
     const float uu = v3_dot(u, u), uv = v3_dot(u, v), vv = v3_dot(v, v);
@@ -34,8 +34,7 @@ static void set_vec3(float *to, vec3 v) {
 
 static void put_partials(const struct shade *shade, const struct interaction *s,
                          const struct shade_camera_sample *camera, float *out) {
-    const struct satin_scene *scene = shade->g->scene;
-    const struct scene_aovs *aovs = &scene->hints.aovs;
+    const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
     float *dx = value_of(aovs, AOV_DUV_DX, out), *dy = value_of(aovs, AOV_DUV_DY, out);
     set_vec3(value_of(aovs, AOV_DP_DU, out), s->dp_du);
     set_vec3(value_of(aovs, AOV_DP_DV, out), s->dp_dv);
@@ -45,8 +44,8 @@ static void put_partials(const struct shade *shade, const struct interaction *s,
     const float side = 1.0f / sqrtf((float)(spp > 1 ? spp : 1));
     const vec2 film = camera->film, right = {film.x + side, film.y},
                below = {film.x, film.y + side};
-    set_vec2(dx, uv_towards(scene, s, right, camera->at));
-    set_vec2(dy, uv_towards(scene, s, below, camera->at));
+    set_vec2(dx, uv_towards(shade, s, right, camera->at));
+    set_vec2(dy, uv_towards(shade, s, below, camera->at));
 }
 
 void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out) {

@@ -40,7 +40,7 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
     *out = (struct shade_camera_sample){.weight = x_offset.weight * y_offset.weight,
                                         .film = {cx + x_offset.x, cy + y_offset.x},
                                         .at = lens};
-    return camera_ray(scene, out->film.x, out->film.y, lens.x, lens.y, &out->spread);
+    return camera_ray(scene, shade->camera, out->film, lens, &out->spread);
 }
 
 static void add_emission(const struct shade *shade, const struct eye_path *path,

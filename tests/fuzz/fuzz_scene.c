@@ -11,7 +11,8 @@ static void fuzz_scene_use(const satin_scene *scene) {
     film_filter_make(film, &filter);
     float x =
         right - 0.5f + film_filter_offset(&filter, right - 0.5f, (float)film->crop_x, right, 0).x;
-    struct ray ray = camera_ray(scene, x, 0.5f, 0.3f, 0.7f, &spread);
+    struct ray ray =
+        camera_ray(scene, &scene->camera, (vec2){x, 0.5f}, (vec2){0.3f, 0.7f}, &spread);
     struct interaction s;
     struct brdf brdf;
     struct frame frame;

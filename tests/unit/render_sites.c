@@ -35,6 +35,7 @@ static void render_sites_start(struct render_sites_fixture *f, int threads) {
     *f = (struct render_sites_fixture){0};
     f->scene = scene_case_load(&f->loading, RENDER_SITES_SCENE);
     if (!f->scene) fail_msg("%s", f->loading.error);
+    f->r.scene = *f->scene;
     f->r.options = satin_options_default;
     f->r.options.width = WIDTH;
     f->r.options.height = HEIGHT;
@@ -44,7 +45,9 @@ static void render_sites_start(struct render_sites_fixture *f, int threads) {
     assert_non_null(f->r.pool);
     f->g = gather_make(f->scene, &f->r.options, NULL);
     f->r.second_pass.shade =
-        (struct shade){.g = &f->g, .records = cache_reader_make(NULL, &f->tables, &f->r.options)};
+        (struct shade){.g = &f->g,
+                       .camera = &f->r.scene.camera,
+                       .records = cache_reader_make(NULL, &f->tables, &f->r.options)};
     film_filter_make(&f->scene->film, &f->r.second_pass.shade.filter);
 }
 
@@ -101,8 +104,8 @@ static void sites_are_in_the_order_of_the_pixels(void **state) {
         uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
         struct render_sites sites = {0};
         // The second search replaces what the first one found.
-        assert_int_equal(render_find_sites(&f.r, pixel, 100, false, &sites), SATIN_OK);
-        assert_int_equal(render_find_sites(&f.r, pixel, pixels, false, &sites), SATIN_OK);
+        assert_int_equal(render_find_sites(&f.r, 0, pixel, 100, false, &sites), SATIN_OK);
+        assert_int_equal(render_find_sites(&f.r, 0, pixel, pixels, false, &sites), SATIN_OK);
         for (size_t i = 0; i < pixels; i++) {
             struct fill_site one;
             const int x = (int)(pixel[i] % WIDTH), y = (int)(pixel[i] / WIDTH);
@@ -121,6 +124,44 @@ static void sites_are_in_the_order_of_the_pixels(void **state) {
     }
 }
 
+static void the_sites_of_a_view_are_those_of_its_camera(void **state) {
+    (void)state;
+    struct render_sites_fixture f;
+    render_sites_start(&f, 1);
+    // The second camera is the first one, a tenth to the left.
+    struct camera view[2] = {f.r.scene.camera, f.r.scene.camera};
+    const vec3 shift = mat4_vector(&view[1].to_world, v3(0.1f, 0, 0));
+    view[1].to_world.m[0][3] += shift.x;
+    view[1].to_world.m[1][3] += shift.y;
+    view[1].to_world.m[2][3] += shift.z;
+    f.r.scene.view = view;
+    f.r.scene.view_count = 2;
+    size_t pixels;
+    uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
+    struct render_sites sites[2] = {{0}};
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(render_find_sites(&f.r, i, pixel, pixels, false, &sites[i]), SATIN_OK);
+        f.r.second_pass.shade.camera = &view[i];
+        size_t at = 0;
+        for (size_t k = 0; k < pixels; k++) {
+            struct fill_site one;
+            const int x = (int)(pixel[k] % WIDTH), y = (int)(pixel[k] / WIDTH);
+            if (!shade_sites(&f.r.second_pass.shade, x, y, false, &one, 1)) continue;
+            assert_true(at < sites[i].count);
+            assert_true(v3_dist2(sites[i].site[at].p, one.p) == 0.0f);
+            // The first view has the streams of a single image, the others have separate ones.
+            assert_true((sites[i].site[at].stream == one.stream) == (i == 0));
+            at++;
+        }
+        assert_int_equal(at, sites[i].count);
+    }
+    assert_true(v3_dist2(sites[0].site[0].p, sites[1].site[0].p) > 0.0f);
+    free(pixel);
+    render_sites_free(&sites[0]);
+    render_sites_free(&sites[1]);
+    render_sites_stop(&f);
+}
+
 static bool render_sites_cancel(void *user, double done) {
     (void)user;
     (void)done;
@@ -135,7 +176,7 @@ static void a_search_can_be_cancelled(void **state) {
     uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
     struct render_sites sites = {0};
     parallel_set_progress(f.r.pool, render_sites_cancel, NULL);
-    assert_int_equal(render_find_sites(&f.r, pixel, pixels, false, &sites), SATIN_CANCELLED);
+    assert_int_equal(render_find_sites(&f.r, 0, pixel, pixels, false, &sites), SATIN_CANCELLED);
     render_sites_free(&sites);
     free(pixel);
     render_sites_stop(&f);
@@ -146,6 +187,7 @@ int main(void) {
         cmocka_unit_test(grids_have_every_pixel_once),
         cmocka_unit_test(grids_depend_on_the_seed_alone),
         cmocka_unit_test(sites_are_in_the_order_of_the_pixels),
+        cmocka_unit_test(the_sites_of_a_view_are_those_of_its_camera),
         cmocka_unit_test(a_search_can_be_cancelled),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

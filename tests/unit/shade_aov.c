@@ -31,9 +31,9 @@ static void shade_aov_look(const char *body, vec2 film, float out[AOV_VALUES],
     satin_options options = satin_options_default;
     options.spp = 4;
     const struct gather g = {.scene = scene, .options = &options};
-    const struct shade shade = {.g = &g};
+    const struct shade shade = {.g = &g, .camera = &scene->camera};
     const struct shade_camera_sample lens = {.film = film};
-    const struct ray ray = camera_ray(scene, film.x, film.y, 0.0f, 0.0f, NULL);
+    const struct ray ray = camera_ray(scene, &scene->camera, film, (vec2){0.0f, 0.0f}, NULL);
     struct interaction s;
     struct shading_point point;
     assert_true(scene_intersect(scene, &ray, &s));
@@ -104,7 +104,8 @@ static void channels_change_no_frame(void **state) {
                  PLATE);
         satin_scene *scene = scene_case_load(&c, text);
         assert_non_null(scene);
-        const struct ray ray = camera_ray(scene, 40, 40, 0, 0, NULL);
+        const struct ray ray =
+            camera_ray(scene, &scene->camera, (vec2){40, 40}, (vec2){0, 0}, NULL);
         assert_true(scene_intersect(scene, &ray, &s[i]));
         satin_scene_free(scene);
     }

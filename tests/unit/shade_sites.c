@@ -35,7 +35,8 @@ static int shade_sites_find_site(bool adaptive, int x, int y, struct fill_site *
     options.first_pass = SATIN_FIRST_NONE;
     const struct gather g = gather_make(scene, &options, NULL);
     const struct cache_tables tables = {0};
-    struct shade shade = {.g = &g, .records = cache_reader_make(NULL, &tables, &options)};
+    struct shade shade = {
+        .g = &g, .camera = &scene->camera, .records = cache_reader_make(NULL, &tables, &options)};
     film_filter_make(&scene->film, &shade.filter);
     const int count = shade_sites(&shade, x, y, adaptive, out, 1);
     satin_scene_free(scene);
