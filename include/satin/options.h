@@ -143,7 +143,7 @@ typedef struct satin_options {
     float radiance_max_pixels;      // largest influence radius a R in projected pixels, 1 to 100000
 
     // Both caches.
-    bool adaptive_cache;      // shrinks records where they disagree visibly [K05 6.3]
+    bool adaptive_cache;      // shrinks records where they disagree perceptibly [K05 6.3]
     bool origin_shift;        // moves records off the edges of triangles [K05 6.5.3]
     float record_max_radius;  // largest R in scene units, overriding those in pixels; 0: no limit
     // The image pass gathers where R, as records should have it, is less than this fraction of the

@@ -66,8 +66,8 @@ struct fill_sites {
 satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites);
 
 // Adapts the records of a kind to sites that are covered [K05 6.3] (fill_adaptive.c): where records
-// that are read at accuracy read_a disagree visibly, the scales of the farthest ones are lowered,
-// and new records fill the gaps, until none disagree. Returns the status as fill_records.
+// that are read at accuracy read_a disagree perceptibly, the scales of the farthest ones are
+// lowered, and new records fill the gaps, until none disagree. Returns the status as fill_records.
 satin_status fill_adapt(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites,
                         float read_a);
 

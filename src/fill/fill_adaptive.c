@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adaptive caching [K05 6.3, 6.4]. A record's own accuracy, a times its scale, is lowered where its
-// light at a shading point differs visibly from that of the other records, and new records fill the
-// gaps, until there is no such difference at any point. A pass evaluates all queued points on all
-// threads against the unchanged records, lowers the scales to the least that a point requires,
+// light at a shading point differs perceptibly from that of the other records, and new records fill
+// the gaps, until there is no such difference at any point. A pass evaluates all queued points on
+// all threads against the unchanged records, lowers the scales to the least that a point requires,
 // fills the gaps, and queues the points that are affected. So nothing depends on the order of the
 // points or on the threads.
 #include <stdlib.h>

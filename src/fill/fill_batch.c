@@ -11,24 +11,30 @@
 #include "fill/fill_record.h"
 
 enum {
-    ATTEMPTS = 3,   // at a record that is not finite; after them its site has none
-    WINDOW = 1024,  // sites that are tested together before batch members are selected
+    ATTEMPTS = 3,        // at a record that is not finite; after them its site has none
+    TESTED_MOST = 1024,  // sites that are tested together before batch members are selected
     BATCH_SITES = 128,
     BATCH_LEAST = 128,
     BATCH_MOST = 1024
 };
 
-// A record that is being made.
-struct job {
-    const struct fill_site *site;
+// What gathering has found, and inserting the record reads.
+struct gathered {
     struct cache_irradiance_value irradiance;
-    struct gather_radiance radiance;
+    uint32_t radiance_rays;
     struct cache_residual residual;
-    float *value;  // of a radiance record, in the cache's arena
     struct gather_surroundings around;
     struct fill_extent extent;  // before it is limited by other records
     int refused;                // number of attempts that were not valid
     bool valid;                 // whether the last attempt was valid
+};
+
+// A record that is being made.
+struct job {
+    const struct fill_site *site;
+    struct gather_radiance radiance;
+    struct gathered found;
+    float *value;  // of a radiance record, in the cache's arena
 };
 
 struct batch;
@@ -56,7 +62,7 @@ struct batch {
     const struct fill_site **waiting;
     size_t next, last;
     const struct fill_site **tested;  // the sites that are tested
-    bool covered[WINDOW];             // results of the tests
+    bool covered[TESTED_MOST];        // results of the tests
 };
 
 // If a few of its rays make up most of a record, as when one of them has hit a small bright
@@ -119,7 +125,7 @@ static bool choose_batch(struct batch *b) {
     size_t kept = 0, i = start;
     b->count = 0;
     while (i < b->last && b->count < b->size) {
-        const size_t n = b->last - i < WINDOW ? b->last - i : WINDOW;
+        const size_t n = b->last - i < TESTED_MOST ? b->last - i : TESTED_MOST;
         b->tested = b->waiting + i;
         if (!parallel_for(b->fill->pool, n, 64, test_coverage, b)) return false;
         for (size_t j = 0; j < n && b->count < b->size; j++, i++) {
@@ -152,12 +158,12 @@ static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), r
 static void gather_more(const struct batch *b, struct job *job, const struct gathering *from) {
     const struct fill *f = b->fill;
     struct gather_hemisphere *hemisphere = from->worker->hemisphere;
-    struct cache_irradiance_value more, *first = &job->irradiance;
+    struct cache_irradiance_value more, *first = &job->found.irradiance;
     struct gather_site site = from->site;
     site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
     gather_hemisphere_trace(f->g, f->irradiance_whole, &site, from->worker->scratch, hemisphere);
     gather_hemisphere_irradiance(f->g, hemisphere, &more);
-    gather_surroundings_make(hemisphere, from->hessian, &job->around);
+    gather_surroundings_make(hemisphere, from->hessian, &job->found.around);
     const float t = (float)more.rays / (float)(more.rays + first->rays);
     first->E = mix(first->E, more.E, t);
     for (int k = 0; k < 3; k++) {
@@ -179,10 +185,11 @@ static struct cache_residual find_residual(const struct batch *b, const struct j
 }
 
 static bool make_irradiance(const struct batch *b, struct job *job, const struct gathering *from) {
-    gather_hemisphere_irradiance(b->fill->g, from->worker->hemisphere, &job->irradiance);
-    if (job->around.deviation > UNSURE) gather_more(b, job, from);
-    if (!fill_valid_irradiance(&job->irradiance, &job->around)) return false;
-    job->extent = fill_extent_irradiance(b->fill, job->site, &job->around, &job->irradiance);
+    gather_hemisphere_irradiance(b->fill->g, from->worker->hemisphere, &job->found.irradiance);
+    if (job->found.around.deviation > UNSURE) gather_more(b, job, from);
+    if (!fill_valid_irradiance(&job->found.irradiance, &job->found.around)) return false;
+    job->found.extent =
+        fill_extent_irradiance(b->fill, job->site, &job->found.around, &job->found.irradiance);
     return true;
 }
 
@@ -197,11 +204,13 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
 
 static bool make_radiance(const struct batch *b, struct job *job, const struct gathering *from) {
     gather_hemisphere_radiance(b->fill->g, from->worker->hemisphere, &job->radiance);
-    job->residual = find_residual(b, job, from->worker->hemisphere);
-    if (!fill_valid_radiance(&job->radiance, b->store->order, &job->around) ||
-        !rgb_finite(job->residual.L))
+    job->found.radiance_rays = job->radiance.rays;
+    job->found.residual = find_residual(b, job, from->worker->hemisphere);
+    if (!fill_valid_radiance(&job->radiance, b->store->order, &job->found.around) ||
+        !rgb_finite(job->found.residual.L))
         return false;
-    job->extent = fill_extent_radiance(b->fill, job->site, &job->around, &job->radiance);
+    job->found.extent =
+        fill_extent_radiance(b->fill, job->site, &job->found.around, &job->radiance);
     interleave(&job->radiance, b->store->order * b->store->order, job->value);
     return true;
 }
@@ -229,11 +238,11 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
         const struct gather_layout *layout =
             fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->widest);
         struct gathering at = {w, {s->p, s->ng, s->frame, s->stream, true}, hessian};
-        for (int attempt = 0; attempt < ATTEMPTS && !job->valid; attempt++) {
+        for (int attempt = 0; attempt < ATTEMPTS && !job->found.valid; attempt++) {
             gather_hemisphere_trace(f->g, layout, &at.site, w->scratch, w->hemisphere);
-            gather_surroundings_make(w->hemisphere, hessian, &job->around);
-            job->valid = b->records->make(b, job, &at);
-            if (!job->valid) job->refused++;
+            gather_surroundings_make(w->hemisphere, hessian, &job->found.around);
+            job->found.valid = b->records->make(b, job, &at);
+            if (!job->found.valid) job->found.refused++;
             at.site.stream = rng_mix(at.site.stream + 0x9e3779b97f4a7c15ull);
         }
     }
@@ -241,34 +250,24 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
 
 // ---- Results of a job as bytes ------------------------------------------------------------------
 
-// Appends all of a job that inserting it reads. The job's pointers are set by choose_batch.
+static size_t value_bytes(const struct batch *b) {
+    return (size_t)(b->store->order * b->store->order * CACHE_LANES) * sizeof(float);
+}
+
+// The job's pointers are set by choose_batch.
 static void pack_jobs(void *ctx, size_t begin, size_t end, struct bytes *out) {
     const struct batch *b = ctx;
-    const size_t lanes = (size_t)(b->store->order * b->store->order * CACHE_LANES);
     for (const struct job *job = b->job + begin; job < b->job + end; job++) {
-        bytes_put(out, &job->irradiance, sizeof job->irradiance);
-        bytes_put(out, &job->radiance.rays, sizeof job->radiance.rays);
-        bytes_put(out, &job->residual, sizeof job->residual);
-        bytes_put(out, &job->around, sizeof job->around);
-        bytes_put(out, &job->extent, sizeof job->extent);
-        bytes_put(out, &job->refused, sizeof job->refused);
-        bytes_put(out, &job->valid, sizeof job->valid);
-        if (job->value) bytes_put(out, job->value, lanes * sizeof *job->value);
+        bytes_put(out, &job->found, sizeof job->found);
+        if (job->value) bytes_put(out, job->value, value_bytes(b));
     }
 }
 
 static bool unpack_jobs(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
     const struct batch *b = ctx;
-    const size_t lanes = (size_t)(b->store->order * b->store->order * CACHE_LANES);
     for (struct job *job = b->job + begin; job < b->job + end; job++) {
-        bytes_get(in, &job->irradiance, sizeof job->irradiance);
-        bytes_get(in, &job->radiance.rays, sizeof job->radiance.rays);
-        bytes_get(in, &job->residual, sizeof job->residual);
-        bytes_get(in, &job->around, sizeof job->around);
-        bytes_get(in, &job->extent, sizeof job->extent);
-        bytes_get(in, &job->refused, sizeof job->refused);
-        bytes_get(in, &job->valid, sizeof job->valid);
-        if (job->value) bytes_get(in, job->value, lanes * sizeof *job->value);
+        bytes_get(in, &job->found, sizeof job->found);
+        if (job->value) bytes_get(in, job->value, value_bytes(b));
     }
     return true;
 }
@@ -300,7 +299,7 @@ static struct cache_head make_head(const struct batch *b, const struct job *job,
     const float radius = b->store->options.a * b->sites->widest * x->R;
     float ratio = x->R / x->across;
     float clear;
-    const uint32_t near = fill_leak_sectors(&job->around, radius, &clear);
+    const uint32_t near = fill_leak_sectors(&job->found.around, radius, &clear);
     return (struct cache_head){
         .p = s->p,
         .R = x->R,
@@ -315,20 +314,20 @@ static struct cache_head make_head(const struct batch *b, const struct job *job,
 }
 
 static bool insert_irradiance(struct batch *b, struct job *job) {
-    struct fill_extent x = job->extent;
+    struct fill_extent x = job->found.extent;
     clamp_extent(b, job->site, &x);
     const struct cache_head head = make_head(b, job, &x);
-    const struct cache_irradiance_record record = {job->irradiance, job->around.deviation,
-                                                   x.radius_ratio};
+    const struct cache_irradiance_record record = {job->found.irradiance,
+                                                   job->found.around.deviation, x.radius_ratio};
     return cache_insert_irradiance(b->cache, &head, &record);
 }
 
 static bool insert_radiance(struct batch *b, struct job *job) {
-    struct fill_extent x = job->extent;
+    struct fill_extent x = job->found.extent;
     clamp_extent(b, job->site, &x);
     const struct cache_head head = make_head(b, job, &x);
     const struct cache_radiance_record record = {job->site->frame, job->value, x.radius_ratio,
-                                                 job->radiance.rays, job->residual};
+                                                 job->found.radiance_rays, job->found.residual};
     return cache_insert_radiance(b->cache, &head, &record);
 }
 
@@ -370,10 +369,10 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
         parallel_begin_part(fill->pool, "insert");
         if (!whole) status = SATIN_CANCELLED;
         for (struct job *job = b->job; job < b->job + b->count && status == SATIN_OK; job++) {
-            fill->refused += (uint64_t)job->refused;
-            assert(job->refused == 0);
+            fill->refused += (uint64_t)job->found.refused;
+            assert(job->found.refused == 0);
             // A record that stayed invalid is left out, and gathering replaces it at its site.
-            if (job->valid && !b->records->insert(b, job)) status = SATIN_ERROR_MEMORY;
+            if (job->found.valid && !b->records->insert(b, job)) status = SATIN_ERROR_MEMORY;
         }
     }
     parallel_begin_part(fill->pool, part);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The criterion of adaptive caching [K05 6.3.1, 6.4]: whether the light of the records at a point
-// differs visibly, by Weber's law on direct and indirect light and by more than their noise, and
-// which of the records are to be shrunk.
+// differs perceptibly, by Weber's law on direct and indirect light and by more than their noise,
+// and which of the records are to be shrunk.
 #include "fill/fill_adaptive.h"
 
-// The relative difference that is visible by Weber's law, as is widely used in computer graphics
-// [K05 6.4].
+// The relative difference that is perceptible by Weber's law, as is widely used in computer
+// graphics [K05 6.4].
 static const float VISIBLE = 0.02f;
 
 // A difference of up to this many standard deviations may be noise. In the thesis it is one, which
@@ -94,19 +94,20 @@ static bool may_shrink(const struct fill_adaptation *c, const struct fill_site *
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }
 
-// Whether a difference in luminance is visible, given the luminance `all` by the records plus
+// Whether a difference in luminance is perceptible, given the luminance `all` by the records plus
 // direct light [K05 6.4].
-static bool visible(const struct fill_site *s, float difference, float all, float noise) {
+static bool perceptible(const struct fill_site *s, float difference, float all, float noise) {
     return difference > VISIBLE * (all + s->direct) + noise;
 }
 
-// Whether the mean of the contributions in `mask` differs visibly from that without one of them.
+// Whether the mean of the contributions in `mask` differs perceptibly from that without one of
+// them.
 static bool disagree(const struct fill_site *s, const struct fill_point *p, unsigned mask) {
     const float all = mean_luminance(p, mask), noise = noise_of(p);
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
         float rest = mean_luminance(p, mask & ~(1u << i));
-        if (visible(s, fabsf(all - rest), all, noise)) return true;
+        if (perceptible(s, fabsf(all - rest), all, noise)) return true;
     }
     return false;
 }
@@ -121,7 +122,7 @@ static unsigned similar_errors(const struct fill_site *s, const struct fill_poin
     unsigned similar = 1u << worst;
     for (int i = 0; i < p->count; i++) {
         float near2 = p->with[i].error * p->with[i].error;
-        if (rest >> i & 1u && visible(s, difference * near2 / (near2 + far2), all, noise))
+        if (rest >> i & 1u && perceptible(s, difference * near2 / (near2 + far2), all, noise))
             similar |= 1u << i;
     }
     return similar;

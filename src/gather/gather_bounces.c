@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The path from the hit y of a gather ray on: the last row of the path table, E S* x S* y ... L. At
-// each surface the path adds the direct light there and reads the other light that is known:
-// records of the next indirect bounce (first pass `recursive`), or the irradiance of the first-pass
-// estimate (photons). It continues by those lobes whose light is not known:
+// The path from the hit y of a gather ray on: the last row of the path table, E S* x S* y ... L.
+// The illumination integral at each of its surfaces [K05 (2.1)] is divided by light and by lobe.
+// The path adds the direct light there and reads the other light that is known: records of the next
+// indirect bounce (first pass `recursive`), or the irradiance of the first-pass estimate (photons).
+// It continues by those lobes whose light is not known:
 // - by the diffuse lobe where the estimate is not reliable: nearer to the start of the segment
 //   than the photon lookup can resolve, or where photons are so few that the lookup would blur a
 //   large part of the visible scene;
@@ -41,11 +42,10 @@ struct path_vertex {
     const struct gather *g;  // whose records may be read here
     const struct shading_point *y;
     struct shading_point point;  // the surface point, except of the first vertex
-    int bounce;  // number of segments from the gather ray's hit to this surface; the change to the
-                 // records of the next bounce does not count, as its own depth is less
-    rgb T, Le;   // of the segment that ends here: its transmittance, and the emitted light on it
-    rgb L;       // radiance reflected here, as far as it is known
-    float E;     // luminance of the first-pass irradiance here
+    int segments;                // number of segments from y to this surface, as g counts them
+    rgb T, Le;  // of the segment that ends here: its transmittance, and the emitted light on it
+    rgb L;      // radiance reflected here, as far as it is known
+    float E;    // luminance of the first-pass irradiance here
     struct path_branch branch[2];  // by which the path continues: diffuse, then glossy
     int followed;                  // number of branches that are done
 };
@@ -60,24 +60,24 @@ static bool has_records(const struct gather *g) {
     return g->options->first_pass == SATIN_FIRST_RECURSIVE;
 }
 
-// Whether light that reaches a surface of number `bounce` by `more` further segments is within
+// Whether light that reaches a surface `segments` after y by `more` further ones is within
 // max_depth: three segments lead from the eye by x and y to a light.
-static bool within_depth(const struct gather *g, int bounce, int more) {
-    return g->options->max_depth < 0 || 2 + bounce + more <= g->options->max_depth;
+static bool within_depth(const struct gather *g, int segments, int more) {
+    return g->options->max_depth < 0 || 2 + segments + more <= g->options->max_depth;
 }
 
 // The probability that glossy lobes of this albedo are followed. Faint ones, such as that of a
 // coat, are followed sometimes; on long paths the probability is the albedo.
-static float glossy_probability(rgb albedo, int bounce) {
-    if (bounce >= GLOSSY_BOUNCES_MAX) return clampf(rgb_max(albedo), 0.1f, 0.95f);
+static float glossy_probability(rgb albedo, int segments) {
+    if (segments >= GLOSSY_BOUNCES_MAX) return clampf(rgb_max(albedo), 0.1f, 0.95f);
     return clampf(4.0f * rgb_max(albedo), 0.1f, 1.0f);
 }
 
 // The probability that the diffuse lobe is followed where the estimate is not reliable: 1 at the
 // gather ray's hit, the albedo after it.
-static float diffuse_probability(const struct shading_point *y, int bounce) {
-    if (bounce == 0) return 1.0f;
-    if (bounce >= DIFFUSE_MAX) return 0.0f;
+static float diffuse_probability(const struct shading_point *y, int segments) {
+    if (segments == 0) return 1.0f;
+    if (segments >= DIFFUSE_MAX) return 0.0f;
     return clampf(rgb_max(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE)), 0.1f, 0.95f);
 }
 
@@ -118,15 +118,16 @@ static rgb sample_direct(const struct path *path, const struct path_vertex *v,
 // are followed.
 static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
                                 struct path_branch branch) {
-    const struct gather_mis mis = {2 + v->bounce, {{branch.lobes, branch.ratio}}};
+    const struct gather_mis mis = {2 + v->segments, {{branch.lobes, branch.ratio}}};
     if (!branch.lobes || !(sampler_1d(&path->sampler) < branch.probability)) return rgb_grey(0.0f);
     return rgb_scale(sample_direct(path, v, mis, 1), 1.0f / branch.probability);
 }
 
 // Whether an estimate includes the direct light of the diffuse lobe: light through as many panes as
-// the first bounce may pass.
+// that of y may pass.
 static bool includes_direct(const struct path_vertex *v, struct gather_estimate estimate) {
-    return estimate.reliable && estimate.direct && (v->bounce == 0 || v->g->options->max_depth < 0);
+    return estimate.reliable && estimate.direct &&
+           (v->segments == 0 || v->g->options->max_depth < 0);
 }
 
 // Irradiance by caustic photons at a vertex, beside the light that was added there.
@@ -151,10 +152,10 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     const rgb albedo = glossy ? brdf_albedo(&y->brdf, y->wo_l, GLOSSY) : rgb_grey(0.0f);
     struct path_branch by_diffuse = {0}, by_glossy = {0};
     if (diffuse && !estimate.reliable)
-        by_diffuse = (struct path_branch){diffuse, diffuse_probability(y, v->bounce), 0.0f};
+        by_diffuse = (struct path_branch){diffuse, diffuse_probability(y, v->segments), 0.0f};
     if (glossy)
-        by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->bounce), 0.0f};
-    if (v->bounce > 0) limit_splits(&by_diffuse, &by_glossy);
+        by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->segments), 0.0f};
+    if (v->segments > 0) limit_splits(&by_diffuse, &by_glossy);
     // Where direct light is known, light is sampled for the glossy lobe as often as it is followed.
     const bool includes = includes_direct(v, estimate);
     by_diffuse.ratio = by_diffuse.probability / (float)estimate.light_samples;
@@ -169,20 +170,20 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     } else {
         const bool shadow = !estimate.reliable || g->options->gather_direct;
         const struct gather_mis mis = {
-            2 + v->bounce,
+            2 + v->segments,
             {{shadow ? diffuse : 0u, by_diffuse.ratio}, {glossy, by_glossy.ratio}, {known, 0.0f}}};
         v->L = rgb_add(v->L, sample_direct(path, v, mis, estimate.light_samples));
     }
     path->sampler.dimension += 2;
 
-    const bool caustics = within_depth(g, v->bounce, 2);
+    const bool caustics = within_depth(g, v->segments, 2);
     if (known && caustics)
         v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, s->p, y->ng, &y->frame, &y->brdf,
                                             y->wo_l, known, PHOTON_ALONE));
     if (diffuse && !estimate.reliable) E = caustics ? caustic_irradiance(path, v) : rgb_grey(0.0f);
     if (diffuse)
         v->L = rgb_add(v->L, diffuse_radiance(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE), E));
-    if (glossy && v->bounce >= glossy_bounces(g, glossy, estimate.reliable)) {
+    if (glossy && v->segments >= glossy_bounces(g, glossy, estimate.reliable)) {
         v->L = rgb_add(v->L, diffuse_radiance(albedo, estimate.E));
         by_glossy.lobes = 0;
     }
@@ -203,23 +204,18 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
     return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
 }
 
-// Selects the estimate to be read at the end z of a segment from a vertex of g, and the records.
-static struct gather_estimate estimate_at(const struct gather *g, struct path_vertex *z) {
-    struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
-    if (g->next.gather) {
-        // For the gather of the next bounce, z has the role that the vertex before it has for g.
-        z->g = g->next.gather;
-        z->bounce--;
-        return none;
-    }
+// Reads the estimate at the end z of a segment. First pass `recursive` has records instead.
+static struct gather_estimate estimate_at(const struct path_vertex *z) {
+    const struct gather *g = z->g;
+    const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     if (has_records(g)) return none;
     float radius;
     int entry;
     rgb E;
-    photon_irradiance_many(g->maps, g->scene, 1, &z->y->interaction.p, &z->y->ng, z->bounce, &E,
+    photon_irradiance_many(g->maps, g->scene, 1, &z->y->interaction.p, &z->y->ng, z->segments, &E,
                            &radius, &entry);
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
-    return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
+    return (struct gather_estimate){within_depth(g, z->segments, 2) ? E : none.E,
                                     gather_is_reliable(g, radius, near),
                                     gather_direct_known(g, entry), 1};
 }
@@ -236,7 +232,7 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     const struct gather_segment_start start = {
         .ray = scene_spawn(v->g->scene, s->p, s->ng, frame_to_world(&v->y->frame, next.wi)),
         .lit = &s->p,
-        .depth = 2 + v->bounce};
+        .depth = 2 + v->segments};
     struct gather_segment segment;
     const bool found = gather_segment_trace(v->g, &start, &path->sampler, &segment, &z->point);
     const rgb weight = rgb_scale(next.weight, 1.0f / branch.probability);
@@ -246,14 +242,17 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
         z->Le = rgb_scale(rgb_mul(weight, segment.Le),
                           mis_power(branch.ratio * next.pdf_w, segment.light_pdf));
     if (branch.lobes != BRDF_DIFFUSE) z->Le = rgb_fma(z->Le, weight, segment.Le_specular);
-    if (!found || !within_depth(v->g, v->bounce + 1, 1)) {
+    if (!found || !within_depth(v->g, v->segments + 1, 1)) {
         v->L = rgb_add(v->L, z->Le);
         return false;
     }
-    z->g = v->g;
+    // The records of the next indirect bounce are gathered with a max_depth that is less by one, so
+    // that z is as many segments after y as v is, as their gather counts.
+    const struct gather *next_bounce = v->g->next.gather;
+    z->g = next_bounce ? next_bounce : v->g;
+    z->segments = next_bounce ? v->segments : v->segments + 1;
     z->y = &z->point;
-    z->bounce = v->bounce + 1;
-    add_vertex_light(path, z, estimate_at(v->g, z));
+    add_vertex_light(path, z, estimate_at(z));
     return true;
 }
 
@@ -266,7 +265,7 @@ rgb gather_bounces(const struct gather *g, const struct shading_point *y,
     struct path_vertex *v = path.vertex;
     v->g = g;
     v->y = y;
-    v->bounce = 0;
+    v->segments = 0;
     add_vertex_light(&path, v, estimate);
     for (;;) {
         if (v->followed < 2) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gather rays: from x through ideal specular surfaces to y, the path table's E S* x S* y. The
-// option first-pass chooses what gives the light that y reflects: the estimate from photons, and
-// where that is not reliable the path after y (gather_bounces.c), records, path tracing from y, or
-// direct light at y alone. Emitted light is not added, as it is in direct light and caustics at x.
+// Gather rays: from x through ideal specular surfaces to y, the path table's E S* x S* y. They are
+// the samples of the illumination integral at x [K05 (2.1)], whose incident radiance is what y
+// reflects; direct light is left out of it [K05 2.1]. The option first-pass chooses what gives the
+// light that y reflects: the estimate from photons, and where that is not reliable the path after y
+// (gather_bounces.c), records, path tracing from y, or direct light at y alone. Emitted light is
+// not added, as it is in direct light and caustics at x.
 #include <stdlib.h>
 
 #include "gather/gather_bounces.h"
@@ -50,7 +52,7 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
 // The rays of a lobe that hit within the disc of one lookup have its noise in common, which no
 // number of samples removes, and no denoiser: it is a blotch. Their number of lookups is the area
 // that they hit, t^2 / pdf, over that of the disc, and the relative error of the mean of n lookups
-// of k photons is 1 / sqrt(k n). This is the largest error, the difference that is visible by
+// of k photons is 1 / sqrt(k n). This is the largest error, the difference that is perceptible by
 // Weber's law. Measured on the glossy floor of a room (docs/experiments.md).
 static const float NOISE_MOST = 0.02f;
 

@@ -54,12 +54,12 @@ rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *
                       vec3 n, float *radius, int *entry);
 // Looks up photon_irradiance for many points; arrays of `count`. *entry is the entry of the point's
 // surroundings, or -1 if none is as near as the spacing of the photons; `entry` may be NULL. The
-// points are those of paths from the eye with `bounces` more segments than to the hit of a gather
-// ray: photons that have bounced so often that the whole path would be longer than max_depth are
-// left out. For `bounces` over 1, their fraction of the light is assumed to be the same for each
+// points are those of paths from the eye with `segments` more than to the hit of a gather ray:
+// photons that have bounced so often that the whole path would be longer than max_depth are left
+// out. For `segments` over 1, their fraction of the light is assumed to be the same for each
 // bounce.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, int bounces, rgb *E,
+                            size_t count, const vec3 *p, const vec3 *n, int segments, rgb *E,
                             float *radius, int *entry);
 // The precomputed entries of irradiance: their number, and the position and unit normal of one.
 size_t photon_irradiance_count(const struct photon_maps *maps);

@@ -371,12 +371,13 @@ static bool is_before_fade(const struct photon_irradiance *r, int row, vec3 p) {
     return d2 <= r->fade2 * sqrf(r->radius[row]);
 }
 
-// The fraction of an entry's light, by colour, whose photons may bounce `bounces` times more.
-static rgb fraction_within(const struct photon_irradiance *r, int row, int bounces) {
+// The fraction of an entry's light, by colour, whose photons may bounce once more for each of the
+// segments.
+static rgb fraction_within(const struct photon_irradiance *r, int row, int segments) {
     rgb fraction = rgb_grey(1.0f);
     if (!r->last || row < 0) return fraction;
     const rgb E = r->E[row], last = r->last[row];
-    for (int i = 0; i < bounces; i++)
+    for (int i = 0; i < segments; i++)
         fraction = rgb_make(E.r > 0.0f ? fraction.r * fmaxf(1.0f - last.r / E.r, 0.0f) : 0.0f,
                             E.g > 0.0f ? fraction.g * fmaxf(1.0f - last.g / E.g, 0.0f) : 0.0f,
                             E.b > 0.0f ? fraction.b * fmaxf(1.0f - last.b / E.b, 0.0f) : 0.0f);
@@ -384,7 +385,7 @@ static rgb fraction_within(const struct photon_irradiance *r, int row, int bounc
 }
 
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, int bounces, rgb *E,
+                            size_t count, const vec3 *p, const vec3 *n, int segments, rgb *E,
                             float *radius, int *entry) {
     const struct photon_irradiance *r = &maps->irradiance;
     struct ray ray;
@@ -407,7 +408,7 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
             E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
-                           fraction_within(r, row[i], bounces));
+                           fraction_within(r, row[i], segments));
             radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
             if (entry) entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
         }

@@ -403,7 +403,7 @@ int render_budget_first_stride(int width, int height) {
     return stride;
 }
 
-// A viewer's eye is content with a picture a second.
+// A new picture each second is enough for a viewer.
 static const double SNAPSHOT_SECONDS = 1.0;
 // The largest fraction of the time of all threads that snapshots take, and of that of their own,
 // which holds its tile for so long.

@@ -19,31 +19,31 @@ static void list_planes(const struct render_image *image, struct image_plane out
         out[5 + i] = (struct image_plane){image->mattes.pixel[i], sizeof *image->mattes.pixel[i]};
 }
 
-// Where the pixels of row y of a box begin in a plane.
-static unsigned char *row_at(const struct render_image *image, const struct image_plane *plane,
-                             struct image_box box, int y) {
-    const size_t at = (size_t)y * (size_t)image->width + (size_t)box.x0;
-    return (unsigned char *)plane->items + at * plane->size;
-}
-
-void render_image_pack_box(const struct render_image *image, struct image_box box,
-                           struct bytes *out) {
+// Visits the rows of a box in all planes, in order.
+static void visit_rows(const struct render_image *image, struct image_box box, void *ctx,
+                       void (*visit)(void *ctx, void *row, size_t size)) {
     struct image_plane plane[IMAGE_PLANES];
     list_planes(image, plane);
     for (int i = 0; i < IMAGE_PLANES; i++)
-        for (int y = box.y0; plane[i].items && y < box.y1; y++)
-            bytes_put(out, row_at(image, &plane[i], box, y),
-                      (size_t)(box.x1 - box.x0) * plane[i].size);
+        for (int y = box.y0; plane[i].items && y < box.y1; y++) {
+            const size_t at = (size_t)y * (size_t)image->width + (size_t)box.x0;
+            visit(ctx, (unsigned char *)plane[i].items + at * plane[i].size,
+                  (size_t)(box.x1 - box.x0) * plane[i].size);
+        }
+}
+
+static void put_row(void *out, void *row, size_t size) { bytes_put(out, row, size); }
+
+static void get_row(void *in, void *row, size_t size) { bytes_get(in, row, size); }
+
+void render_image_pack_box(const struct render_image *image, struct image_box box,
+                           struct bytes *out) {
+    visit_rows(image, box, out, put_row);
 }
 
 void render_image_unpack_box(struct render_image *image, struct image_box box,
                              struct bytes_reader *in) {
-    struct image_plane plane[IMAGE_PLANES];
-    list_planes(image, plane);
-    for (int i = 0; i < IMAGE_PLANES; i++)
-        for (int y = box.y0; plane[i].items && y < box.y1; y++)
-            bytes_get(in, row_at(image, &plane[i], box, y),
-                      (size_t)(box.x1 - box.x0) * plane[i].size);
+    visit_rows(image, box, in, get_row);
 }
 
 static struct image_box whole_box(const struct render_image *image) {

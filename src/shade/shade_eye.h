@@ -43,4 +43,9 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
                                  enum rng_stream stream);
 
+// The site of a record at a point, where a pixel has the width `pixel` (shade_sites.c). `stream` is
+// any number that no other site has, `kinds` a mask of those that the surface reads.
+struct fill_site shade_site(const struct shading_point *p, float pixel, uint64_t stream,
+                            unsigned kinds);
+
 #endif

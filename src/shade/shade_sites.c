@@ -42,6 +42,16 @@ static void add_light(const struct shade *shade, const struct shading_point *bum
         gather_sample_lights(shade->g, &p, lights_alone, light_samples, sampler, NULL));
 }
 
+struct fill_site shade_site(const struct shading_point *p, float pixel, uint64_t stream,
+                            unsigned kinds) {
+    return (struct fill_site){.p = p->interaction.p,
+                              .ng = p->interaction.ng,
+                              .frame = p->base,
+                              .pixel = pixel,
+                              .stream = rng_mix(stream),
+                              .kinds = (uint8_t)kinds};
+}
+
 int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct fill_site *out,
                 int max) {
     const struct gather *g = shade->g;
@@ -55,15 +65,10 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
         const unsigned kinds = cache_plan_kinds(&shade->records, &v->point);
         if (!kinds) continue;
         struct fill_site *site = &out[count++];
-        *site = (struct fill_site){
-            .p = g->options->origin_shift ? scene_origin_shift(g->scene, s, SHIFT_PIXELS * v->pixel)
-                                          : s->p,
-            .ng = s->ng,
-            .frame = v->point.base,
-            .pixel = v->pixel,
-            .stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)i),
-            .kinds = (uint8_t)kinds,
-        };
+        *site =
+            shade_site(&v->point, v->pixel, ((uint64_t)sampler.seed << 20) + (uint64_t)i, kinds);
+        if (g->options->origin_shift)
+            site->p = scene_origin_shift(g->scene, s, SHIFT_PIXELS * v->pixel);
         add_glossy(shade, &v->point, &site->glossy);
         if (adaptive) add_light(shade, &v->point, sampler, site);
     }

@@ -41,12 +41,7 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill
         length += first.r;
     }
     unsigned kinds = cache_plan_kinds(&shade->records, &p);
-    uint64_t stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)bounce);
-    *out = (struct fill_site){.p = p.interaction.p,
-                              .ng = p.interaction.ng,
-                              .frame = p.base,
-                              .pixel = FOOTPRINT * length,
-                              .stream = stream,
-                              .kinds = (uint8_t)kinds};
+    *out = shade_site(&p, FOOTPRINT * length, ((uint64_t)sampler.seed << 20) + (uint64_t)bounce,
+                      kinds);
     return kinds != 0;
 }
