@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh in a plain Embree scene, for comparison with satin's own.
+// Meshes and rays as plain Embree has them, for comparison with satin's own.
 #ifndef BENCH_EMBREE_H
 #define BENCH_EMBREE_H
 
+#include <math.h>
+
+#include "scene/scene.h"
 #include "scene/scene_embree.h"
 
 // Three floats per vertex, padded as Embree wants them, and three indices per triangle; both must
@@ -26,6 +29,19 @@ static inline RTCScene bare_build(RTCDevice device, const struct bare_mesh *mesh
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcCommitScene(scene);
     return scene;
+}
+
+// A ray as Embree has it.
+static inline struct RTCRayHit bare_ray(const struct ray *ray) {
+    return (struct RTCRayHit){.ray = {.org_x = ray->o.x,
+                                      .org_y = ray->o.y,
+                                      .org_z = ray->o.z,
+                                      .dir_x = ray->d.x,
+                                      .dir_y = ray->d.y,
+                                      .dir_z = ray->d.z,
+                                      .tfar = INFINITY,
+                                      .mask = ~0u},
+                              .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
 }
 
 #endif

@@ -59,18 +59,6 @@ static struct ray *make_rays(const struct satin_scene *scene) {
     return ray;
 }
 
-static struct RTCRayHit bare_ray(const struct ray *ray) {
-    return (struct RTCRayHit){.ray = {.org_x = ray->o.x,
-                                      .org_y = ray->o.y,
-                                      .org_z = ray->o.z,
-                                      .dir_x = ray->d.x,
-                                      .dir_y = ray->d.y,
-                                      .dir_z = ray->d.z,
-                                      .tfar = INFINITY,
-                                      .mask = ~0u},
-                              .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
-}
-
 enum query_side { BARE_INTERSECT, DISTANCE, INTERSECT, BARE_OCCLUDED, OCCLUDED, SIDES };
 
 // Nanoseconds per ray; *sum keeps the compiler from removing the work.
