@@ -18,10 +18,10 @@ struct photon_index *photon_index_new(const float *data, size_t rows, int column
                                       const struct photon_curve *curve, struct parallel *pool);
 void photon_index_free(struct photon_index *index);  // NULL is allowed
 size_t photon_index_bytes(const struct photon_index *index);
-// Finds the k nearest rows of `count` queries, among those with a squared distance below far2
-// (INFINITY: all): k row numbers and squared distances for each query, in no particular order.
-// Missing ones have row -1 and distance INFINITY. A query that is not finite finds nothing.
-// Allocates nothing and cannot fail. Thread-safe.
+// photon_index_search.cpp: finds the k nearest rows of `count` queries, among those with a squared
+// distance below far2 (INFINITY: all): k row numbers and squared distances for each query, in no
+// particular order. Missing ones have row -1 and distance INFINITY. A query that is not finite
+// finds nothing. Allocates nothing and cannot fail. Thread-safe.
 void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
                           float far2, int *row, float *distance2);
 // Finds all rows whose squared distance from a query is below r2, or the `most` nearest of them, in

@@ -65,6 +65,30 @@ static void search_is_exact(void **state) {
     parallel_free(pool);
 }
 
+// Each row is twice as far from the origin as the one before on its axis, so the tree separates
+// them one by one and is deeper than a search has memory for.
+static void search_of_deep_tree_is_exact(void **state) {
+    (void)state;
+    enum { DEEP = 360, NEAREST = 2 };
+    static float data[DEEP * 3], distance2[DEEP * NEAREST];
+    static int row[DEEP * NEAREST];
+    for (int i = 0; i < DEEP; i++) data[3 * i + i % 3] = ldexpf(1.0f, i / 3 - DEEP / 6);
+    struct parallel *pool = parallel_new(1);
+    struct photon_index *index = photon_index_new(data, DEEP, 3, NULL, pool);
+    assert_non_null(index);
+    for (int k = 1; k <= NEAREST; k++) {
+        photon_index_nearest(index, data, DEEP, k, INFINITY, row, distance2);
+        for (int i = 0; i < DEEP; i++) {
+            float most = 0.0f;
+            for (int j = 0; j < k; j++) most = fmaxf(most, distance2[i * k + j]);
+            assert_true(nearer(data, DEEP, 3, data + 3 * i, most) < k);
+            assert_true(nearer(data, DEEP, 3, data + 3 * i, fmaxf(most * 1.0001f, 1e-37f)) >= k);
+        }
+    }
+    photon_index_free(index);
+    parallel_free(pool);
+}
+
 static void few_rows_and_extreme_queries_are_harmless(void **state) {
     (void)state;
     const float data[9] = {0, 0, 0, 1, 0, 0, 0, 2, 0};
@@ -142,6 +166,7 @@ static void map_keeps_all_in_order(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(search_is_exact),
+        cmocka_unit_test(search_of_deep_tree_is_exact),
         cmocka_unit_test(few_rows_and_extreme_queries_are_harmless),
         cmocka_unit_test(packing_is_precise),
         cmocka_unit_test(map_keeps_all_in_order),
