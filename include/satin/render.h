@@ -3,6 +3,7 @@
 #ifndef SATIN_RENDER_H
 #define SATIN_RENDER_H
 
+#include "satin/animation.h"
 #include "satin/film.h"
 #include "satin/options.h"
 #include "satin/ranks.h"
@@ -26,11 +27,13 @@ extern "C" {
 // seconds since the render began. `left` is the number of seconds until the whole render ends: by
 // the speed of the image so far, but at most what is left of options->time, from which it is known
 // in all stages. It does not include denoising after an image without a time limit. Negative: not
-// known, since the cost of a later stage is not. Texts are static, and a stage has the same pointer
-// in all calls; the struct is valid during the call.
+// known, since the cost of a later stage is not. Of an animation, `frame` is the number of images
+// that were begun, of `frames`, and `left` includes all of them; else both are 0. Texts are static,
+// and a stage has the same pointer in all calls; the struct is valid during the call.
 typedef struct satin_progress {
     const char *stage, *unit;
     double done, rate, elapsed, left;
+    int frame, frames;
 } satin_progress;
 
 // Called on the thread that called satin_render, about ten times a second and only during that
@@ -82,10 +85,15 @@ typedef struct satin_callbacks {
     // The processes that render together; NULL: this one alone. Rank 0 has the film; the others
     // have one whose pixels are the same. Their files of records and checkpoints are not written.
     const satin_ranks *ranks;
+    // The frames of an animation, each of which is an image; NULL: there is one image. An animation
+    // has no time limit and no checkpoint, and is not rendered by SATIN_SPPM, which changes its
+    // photons during an image: these are refused with SATIN_ERROR_INPUT, logged.
+    const satin_animation *animation;
 } satin_callbacks;
 
 // Renders. `callbacks` may be NULL. The caller sets *film to NULL before the call, as it is set
-// only if there is an image, and frees it with satin_film_free.
+// only if there is an image, and frees it with satin_film_free. The images of an animation are
+// passed to its function instead, and *film is not set.
 //
 // SATIN_CANCELLED: the progress function cancelled the render. *film is then the image so far, as
 // of a render with fewer samples, in which pixels without a sample have the values of neighbours.

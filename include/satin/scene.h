@@ -39,7 +39,9 @@ enum satin_scene_flags {
     SATIN_SCENE_LENIENT = 2,
     // The scene file may be a pipe or a device such as /dev/stdin, which is read to its end. The
     // names in a file of the folder /dev are relative to the current folder.
-    SATIN_SCENE_STREAM = 4
+    SATIN_SCENE_STREAM = 4,
+    // All sensors of the scene are read, for the views of an animation.
+    SATIN_SCENE_ALL_SENSORS = 8
 };
 
 // satin_scene_load with `flags`, bits of satin_scene_flags; 0: none. Other bits are ignored.
@@ -75,6 +77,10 @@ SATIN_API uint64_t satin_scene_hash(const satin_scene *scene);
 // The film size of the scene [pixels], or that of the crop window if it has one. No pointer may be
 // NULL. Thread-safe.
 SATIN_API void satin_scene_film_size(const satin_scene *scene, int *width, int *height);
+
+// The number of the scene's sensors, in the order of the file; 0 if it was loaded without
+// SATIN_SCENE_ALL_SENSORS. `scene` must not be NULL. Thread-safe.
+SATIN_API int satin_scene_sensor_count(const satin_scene *scene);
 
 #ifdef __cplusplus
 }

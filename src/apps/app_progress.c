@@ -166,7 +166,12 @@ static void draw_bar(struct app_progress *p, const satin_progress *now) {
     if (columns > LINE_MAX_BYTES - 1) columns = LINE_MAX_BYTES - 1;
     int width = columns - 15 - 3 - (int)strlen(tail);
     if (width > BAR_MAX) width = BAR_MAX;
-    n = snprintf(line, sizeof line, "%-14.14s ", now->stage);
+    char name[32];
+    if (now->frame > 0)
+        snprintf(name, sizeof name, "frame %d/%d", now->frame, now->frames);
+    else
+        snprintf(name, sizeof name, "%s", now->stage);
+    n = snprintf(line, sizeof line, "%-14.14s ", name);
     if (width >= 4) {
         line[n++] = '[';
         for (int i = 0; i < width; i++) line[n++] = i < (int)(done * width + 0.5) ? '#' : '-';

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "apps/app_animation.h"
 #include "apps/app_live.h"
 #include "apps/app_render.h"
 #include "base/fileio.h"
@@ -66,15 +67,24 @@ static void list_outputs(const struct app_render_request *r, struct app_output o
     output[5] = (struct app_output){r->checkpoint, FILEIO_SEEK, NULL};
 }
 
+static int check_files(const struct app_render_request *r,
+                       const struct app_output output[OUTPUTS]) {
+    const struct app_input input[] = {{r->scene, "the scene"},
+                                      {r->animation, "the camera path"},
+                                      {r->load, "the cache that is loaded"},
+                                      {NULL, NULL}};
+    return app_outputs_check(output, OUTPUTS, input);
+}
+
+// Names the outputs and checks them. Those of an animation's frames are checked when the scene is
+// there, which may decide how many there are.
 static int check_outputs(struct app_render_request *r) {
     const int named = name_outputs(r);
     if (named != APP_DONE) return named;
     if (!app_ranks_first(r->ranks)) return APP_DONE;
-    const struct app_input input[] = {
-        {r->scene, "the scene"}, {r->load, "the cache that is loaded"}, {NULL, NULL}};
     struct app_output output[OUTPUTS];
     list_outputs(r, output);
-    const int status = app_outputs_check(output, OUTPUTS, input);
+    const int status = r->animation ? APP_DONE : check_files(r, output);
     return status == APP_DONE ? check_format(r) : status;
 }
 
@@ -122,14 +132,41 @@ static void print_summary(const struct app_render_request *r, const satin_film *
     if (r->png) fprintf(stderr, "%s\n", r->png);
 }
 
+// What the function for a frame needs.
+struct frame_user {
+    const struct app_render_request *request;
+    struct app_progress *progress;
+    int threads, count;  // of the render; of the frames
+    int done;            // frames whose files are written
+    double start;
+};
+
+// A satin_frame_fn: writes the files of a frame.
+static satin_status write_frame_files(void *user, int number, const satin_film *film) {
+    struct frame_user *u = user;
+    struct app_render_request frame;
+    const struct log log = {app_log_file, u->progress};
+    if (!app_ranks_first(u->request->ranks)) return SATIN_OK;
+    app_progress_end(u->progress);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (app_frame_begin(u->request, number, &frame) == APP_DONE)
+        status = write_outputs(&frame, film, u->threads, u->start, log);
+    if (status == SATIN_OK) u->done++;
+    if (status == SATIN_OK && !u->request->quiet)
+        fprintf(stderr, "%s: frame %d of %d\n", frame.output, u->done, u->count);
+    app_frame_end(&frame);
+    return status;
+}
+
 // Renders, and shows the image meanwhile if that was asked for.
 static satin_status render_live(const struct app_render_request *r, const satin_scene *scene,
-                                const satin_options *options, struct app_live *live,
-                                satin_film **film) {
+                                const satin_options *options, const satin_animation *animation,
+                                struct app_live *live, satin_film **film) {
     const bool first = app_ranks_first(r->ranks), shown = r->preview || r->display.wanted;
     const satin_callbacks callbacks = {.log = app_log,
                                        .log_user = live->progress,
                                        .ranks = r->ranks->ranks,
+                                       .animation = animation,
                                        .progress = app_live_progress,
                                        .progress_user = live,
                                        .load_cache = r->load,
@@ -146,9 +183,45 @@ static satin_status render_live(const struct app_render_request *r, const satin_
     return status;
 }
 
+// Renders one image, and writes its files.
+static satin_status render_one_image(const struct app_render_request *r, const satin_scene *scene,
+                                     const satin_options *options, struct app_live *live,
+                                     double start) {
+    const struct log file_log = {app_log_file, live->progress};
+    satin_film *film = NULL;
+    satin_status status = render_live(r, scene, options, NULL, live, &film);
+    if (film && app_ranks_first(r->ranks)) {
+        satin_status written = write_outputs(r, film, options->threads, start, file_log);
+        if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
+        if (written != SATIN_OK) status = written;
+    }
+    // Last, as it may wait for the viewer.
+    if (app_ranks_first(r->ranks)) app_live_finish(live, film);
+    satin_film_free(film);
+    return status;
+}
+
+// Renders the frames of an animation, each of which is written when it is complete.
+static satin_status render_animation(const struct app_render_request *r, const satin_scene *scene,
+                                     const satin_options *options, satin_animation frames,
+                                     struct app_live *live, double start) {
+    struct frame_user user = {r, live->progress, options->threads, frames.last - frames.first + 1,
+                              0, start};
+    satin_film *none = NULL;
+    frames.frame = write_frame_files;
+    frames.user = &user;
+    const satin_status status = render_live(r, scene, options, &frames, live, &none);
+    if (!app_ranks_first(r->ranks)) return status;
+    if (!r->quiet)
+        fprintf(stderr, "%d frame%s, %.2f s%s\n", user.done, user.done == 1 ? "" : "s",
+                stats_wall() - start, status == SATIN_CANCELLED ? ", cancelled" : "");
+    app_live_finish(live, NULL);
+    return status;
+}
+
 static satin_status render_scene(const struct app_render_request *r, const satin_scene *scene,
+                                 const struct app_animation *animation,
                                  struct app_progress *progress, double start) {
-    struct log file_log = {app_log_file, progress};
     satin_options options;
     // The user's options were checked before, so an error here is in the scene's options.
     satin_status status = satin_options_resolve(scene, r->setting, r->setting_count, app_log_file,
@@ -162,34 +235,43 @@ static satin_status render_scene(const struct app_render_request *r, const satin
     const satin_ranks *ranks = r->ranks->ranks;
     if (ranks) ranks->broadcast(ranks->user, 0, &options.time, sizeof options.time);
     struct app_live live = {r->preview, &r->tonemap, r->display, progress, false};
-    satin_film *film = NULL;
-    status = render_live(r, scene, &options, &live, &film);
-    if (film && app_ranks_first(r->ranks)) {
-        satin_status written = write_outputs(r, film, options.threads, start, file_log);
-        if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
-        if (written != SATIN_OK) status = written;
+    return r->animation ? render_animation(r, scene, &options, animation->frames, &live, start)
+                        : render_one_image(r, scene, &options, &live, start);
+}
+
+// Checks that no output is a file of the scene, and of an animation that all frames can be written.
+static int check_read(const struct app_render_request *r, const satin_scene *scene,
+                      const struct app_animation *animation) {
+    struct app_output output[OUTPUTS];
+    list_outputs(r, output);
+    if (!app_ranks_first(r->ranks)) return APP_DONE;
+    if (!r->animation) return app_outputs_check_read(output, OUTPUTS, &scene->read);
+    int status = APP_DONE;
+    for (int i = animation->frames.first; i <= animation->frames.last && status == APP_DONE; i++) {
+        struct app_render_request frame;
+        status = app_frame_begin(r, i, &frame);
+        list_outputs(&frame, output);
+        if (status == APP_DONE) status = check_files(r, output);
+        if (status == APP_DONE) status = app_outputs_check_read(output, OUTPUTS, &scene->read);
+        app_frame_end(&frame);
     }
-    // Last, as it may wait for the viewer.
-    if (app_ranks_first(r->ranks)) app_live_finish(&live, film);
-    satin_film_free(film);
     return status;
 }
 
 // Loads the scene and checks that no output is one of its files.
-static int load_checked(struct app_render_request *r, struct app_progress *progress,
-                        satin_scene **scene) {
+static int load_checked(struct app_render_request *r, struct app_animation *animation,
+                        struct app_progress *progress, satin_scene **scene) {
     app_set_reading(true);
     app_catch_signals();
+    const unsigned sensors = animation->path.sensors ? SATIN_SCENE_ALL_SENSORS : 0;
     const satin_scene_request request = {r->define, r->define_count,
-                                         r->scene_flags | SATIN_SCENE_STREAM, r->sensor};
+                                         r->scene_flags | SATIN_SCENE_STREAM | sensors, r->sensor};
     const satin_status status =
         satin_scene_load_request(r->scene, &request, app_log_file, progress, scene);
     app_set_reading(false);
     if (status != SATIN_OK) return app_exit_of(status);
-    struct app_output output[OUTPUTS];
-    list_outputs(r, output);
-    return app_ranks_first(r->ranks) ? app_outputs_check_read(output, OUTPUTS, &(*scene)->read)
-                                     : APP_DONE;
+    const int chosen = app_animation_choose(r, *scene, animation);
+    return chosen == APP_DONE ? check_read(r, *scene, animation) : chosen;
 }
 
 static int load_and_render(struct app_render_request *r) {
@@ -197,9 +279,14 @@ static int load_and_render(struct app_render_request *r) {
     satin_scene *scene = NULL;
     double start = stats_wall();
     app_progress_start(&progress, r->quiet || !app_ranks_first(r->ranks));
-    int result = app_ranks_agree(r->ranks, check_outputs(r));
-    if (result == APP_DONE) result = app_ranks_agree(r->ranks, load_checked(r, &progress, &scene));
-    if (result == APP_DONE) result = app_exit_of(render_scene(r, scene, &progress, start));
+    struct app_animation animation;
+    int result = app_ranks_agree(r->ranks, app_animation_read(r, &animation));
+    if (result == APP_DONE) result = app_ranks_agree(r->ranks, check_outputs(r));
+    if (result == APP_DONE)
+        result = app_ranks_agree(r->ranks, load_checked(r, &animation, &progress, &scene));
+    if (result == APP_DONE)
+        result = app_exit_of(render_scene(r, scene, &animation, &progress, start));
+    app_animation_free(&animation);
     satin_scene_free(scene);
     return result;
 }

@@ -12,7 +12,8 @@
 
 // The texts are those of the arguments, except for those at the end.
 struct app_render_request {
-    const char *scene, *output, *png, *preview, *stats, *load, *save, *checkpoint, *sensor;
+    const char *scene, *output, *png, *preview, *stats, *load, *save, *checkpoint, *sensor,
+        *animation, *frames;
     bool want_png, resume, quiet, help;
     double checkpoint_seconds;
     struct app_display display;

@@ -20,6 +20,8 @@ enum {
     FLAG_DEFINE,
     FLAG_SET,
     FLAG_SENSOR,
+    FLAG_ANIMATION,
+    FLAG_FRAMES,
     FLAG_DISPLAY,
     FLAG_CROP,
     FLAG_EXPOSURE,
@@ -56,6 +58,11 @@ const struct app_flag app_render_flags[] = {
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--sensor", NULL, "INDEX|ID",
      "Renders the view of this sensor of the scene, by its id or counted from 0."},
+    {"--animation", NULL, "PATH.toml",
+     "Renders the frames of a camera path, with photons and records that all of them have in "
+     "common. In the names of the image and of other files of a frame, #### is its number."},
+    {"--frames", NULL, "A-B",
+     "Renders these frames of the animation alone; their images are the same as with all."},
     {"--display", NULL, "tev[:HOST[:PORT]]",
      "Shows the image and its layers in the viewer tev while they are rendered."},
     {"--crop", NULL, "X,Y,W,H",
@@ -117,6 +124,10 @@ static const char **text_of(struct app_render_request *r, int flag) {
             return &r->checkpoint;
         case FLAG_SENSOR:
             return &r->sensor;
+        case FLAG_ANIMATION:
+            return &r->animation;
+        case FLAG_FRAMES:
+            return &r->frames;
         default:
             return NULL;
     }

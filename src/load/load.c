@@ -120,6 +120,42 @@ static satin_status build_sensor(struct load_state *loader, struct xml_node *nod
     return load_params(loader, node, &p);
 }
 
+static bool same_window(const struct film_spec *a, const struct film_spec *b) {
+    return a->width == b->width && a->height == b->height && a->crop_x == b->crop_x &&
+           a->crop_y == b->crop_y && a->crop_width == b->crop_width &&
+           a->crop_height == b->crop_height;
+}
+
+// Reads all sensors. The scene's own camera, film and number of samples are those of `used`.
+static satin_status build_all_sensors(struct load_state *loader, const struct xml_node *used) {
+    struct satin_scene *scene = loader->scene;
+    struct satin_scene own = *scene;
+    const int spp = scene->hints.spp;
+    size_t count = 0;
+    for (struct xml_node *node = loader->xml.root->child; node; node = node->next)
+        count += node->tag == XML_SENSOR;
+    scene->sensor = arena_array(&scene->arena, count, sizeof *scene->sensor);
+    if (!scene->sensor) return load_no_memory(loader);
+    for (struct xml_node *node = loader->xml.root->child; node; node = node->next) {
+        if (node->tag != XML_SENSOR) continue;
+        const struct film_spec before = scene->film;
+        scene->hints.spp = spp;
+        const satin_status status = load_sensor(loader, node);
+        if (status != SATIN_OK) return status;
+        if (scene->sensor_count > 0 && !same_window(&before, &scene->film)) {
+            log_error_at(loader->log, node->place,
+                         "all sensors of an animation must have films of one size and crop");
+            return SATIN_ERROR_INPUT;
+        }
+        scene->sensor[scene->sensor_count++] = scene->camera;
+        if (node == used) own = *scene;
+    }
+    scene->camera = own.camera;
+    scene->film = own.film;
+    scene->hints.spp = own.hints.spp;
+    return SATIN_OK;
+}
+
 // Builds shapes, lights, camera and integrator. Materials and textures are built when they are
 // referred to.
 static satin_status build_objects(struct load_state *loader) {
@@ -130,13 +166,15 @@ static satin_status build_objects(struct load_state *loader) {
          node = node->next) {
         if (node->tag == XML_SHAPE) status = load_shape_add(loader, node);
         if (node->tag == XML_EMITTER) status = load_emitter_add(loader, node, -1, &light);
-        if (node->tag == XML_SENSOR) status = build_sensor(loader, node, sensor);
+        if (node->tag == XML_SENSOR && !loader->all_sensors)
+            status = build_sensor(loader, node, sensor);
         if (node->tag == XML_INTEGRATOR) status = load_integrator(loader, node);
     }
     if (status == SATIN_OK && !sensor) {
         log_error_at(loader->log, loader->xml.root->place, "the scene has no <sensor>");
         return SATIN_ERROR_INPUT;
     }
+    if (status == SATIN_OK && loader->all_sensors) status = build_all_sensors(loader, sensor);
     return status;
 }
 
@@ -258,6 +296,7 @@ satin_status satin_scene_load_request(const char *path, const satin_scene_reques
     if (!loader.scene) return load_no_memory(&loader);
     loader.lenient = (request->flags & SATIN_SCENE_LENIENT) != 0;
     loader.sensor = request->sensor;
+    loader.all_sensors = (request->flags & SATIN_SCENE_ALL_SENSORS) != 0;
     satin_status status = read_scene_file(&loader, request);
     if (status == SATIN_OK) {
         status = load_all(&loader);

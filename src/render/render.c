@@ -4,45 +4,7 @@
 // the caches; the image interpolates between their records.
 #include "satin/render.h"
 
-#include <stdlib.h>
-
 #include "render/render_image.h"
-
-// Passes messages on to the caller's log, and records whether one of them was an error.
-static void log_through(void *user, satin_log_severity severity, const char *message) {
-    struct render *r = user;
-    if (severity == SATIN_LOG_ERROR) r->outcome.error_logged = true;
-    if (r->callbacks.log) r->callbacks.log(r->callbacks.log_user, severity, message);
-}
-
-static struct render *render_new(const satin_callbacks *callbacks) {
-    struct render *r = calloc(1, sizeof *r);
-    if (!r) return NULL;
-    r->progress = (struct render_progress){.start = stats_wall(), .deadline = INFINITY};
-    if (callbacks) r->callbacks = *callbacks;
-    r->log = (struct log){log_through, r};
-    return r;
-}
-
-static void render_free(struct render *r) {
-    if (!r) return;
-    render_snapshot_free(r->snapshot);
-    render_checkpoint_free(r);
-    render_image_free(r->image);
-    shade_destroy(&r->second_pass.shade);
-    fill_free(r->second_pass.fill);
-    cache_free(r->second_pass.cache);
-    render_cache_free(r);
-    render_bounces_free(r);
-    cache_tables_free(&r->second_pass.tables);
-    photon_maps_free(r->first_pass.maps);
-    photon_progressive_free(r->first_pass.progressive);
-    gather_direct_free(&r->first_pass.direct);
-    guide_visibility_free(r->first_pass.visibility);
-    film_denoiser_free(r->denoiser);
-    parallel_free(r->pool);
-    free(r);
-}
 
 // Allocates the image first, so that memory does not run out after all other work is done.
 static satin_status allocate_image(struct render *r) {
@@ -65,6 +27,7 @@ static satin_status start_threads(struct render *r) {
 static satin_status prepare(struct render *r, const satin_scene *scene,
                             const satin_options *options) {
     satin_status status = render_resolve(r, scene, options);
+    if (status == SATIN_OK) status = render_views(r);
     r->second_pass.options = r->options;
     render_take_course(r, render_first_course(&r->options));
     if (status == SATIN_OK) status = render_cache_open(r);
@@ -73,7 +36,8 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     if (status != SATIN_OK) return status;
     status = render_film_check(&r->scene, &r->second_pass.options, r->log);
     if (status != SATIN_OK) return status;
-    camera_check(&r->scene, &r->scene.camera, r->log);
+    for (uint32_t i = 0; i < camera_count(&r->scene); i++)
+        if (camera_check(&r->scene, camera_at(&r->scene, i), r->log)) break;
     return allocate_image(r);
 }
 
@@ -152,7 +116,33 @@ static satin_status finish_film(struct render *r, satin_status status, satin_fil
     if (!render_metadata(r, r->image->film)) return SATIN_ERROR_MEMORY;
     *out = r->image->film;
     r->image->film = NULL;
-    if (status == SATIN_OK) status = r->outcome.denoised;
+    return status == SATIN_OK ? r->outcome.denoised : status;
+}
+
+// The image of a render that has one.
+static satin_status make_image(struct render *r, satin_status status, satin_film **film) {
+    if (status == SATIN_OK) status = sample_image(r);
+    status = render_checkpoint_check(r, status);
+    if (status == SATIN_CANCELLED) status = render_coarse(r);
+    return finish_film(r, status, film);
+}
+
+// The images of an animation, which only read what they have in common. There is no image of a
+// frame that was cancelled.
+static satin_status make_frames(struct render *r, satin_status status) {
+    if (status == SATIN_OK) render_frames_begin(r);
+    while (status == SATIN_OK && render_frame_next(r, &status)) {
+        satin_film *film = NULL;
+        status = sample_image(r);
+        if (status == SATIN_OK) status = finish_film(r, status, &film);
+        if (status == SATIN_OK) status = render_frame_done(r, film);
+        satin_film_free(film);
+    }
+    return render_checkpoint_check(r, status);
+}
+
+// The status of a render whose images are complete.
+static satin_status outcome_of(const struct render *r, satin_status status) {
     if (status == SATIN_OK) status = r->outcome.saved;
     return status == SATIN_OK ? r->outcome.checkpointed : status;
 }
@@ -172,10 +162,11 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = bounce_records(r);
     if (status == SATIN_OK) status = prepare_second_pass(r);
     if (status == SATIN_OK && render_steps(r)->records) status = render_records(r);
-    if (status == SATIN_OK) status = sample_image(r);
-    if (r) status = render_checkpoint_check(r, status);
-    if (status == SATIN_CANCELLED) status = render_coarse(r);
-    if (r) status = finish_film(r, status, &film);
+    if (r && r->callbacks.animation)
+        status = make_frames(r, status);
+    else if (r)
+        status = make_image(r, status, &film);
+    if (r) status = outcome_of(r, status);
     if (status == SATIN_ERROR_MEMORY && !(r && r->outcome.error_logged)) {
         const struct log log = {callbacks ? callbacks->log : NULL,
                                 callbacks ? callbacks->log_user : NULL};

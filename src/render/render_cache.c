@@ -64,7 +64,9 @@ static uint64_t view_hash(const struct render *r) {
     const satin_options *o = &r->options;
     if (o->time > 0.0) return 0;
     const uint64_t view[4] = {r->scene.hash, (uint64_t)o->width, (uint64_t)o->height, o->seed};
-    const uint64_t hash = fileio_hash(FILEIO_HASH, view, sizeof view);
+    uint64_t hash = fileio_hash(FILEIO_HASH, view, sizeof view);
+    const uint64_t views = render_views_hash(r);
+    if (views) hash = fileio_hash(hash, &views, sizeof views);
     if (o->crop_width < 1 || o->crop_height < 1) return hash;
     const struct film_spec *film = &r->scene.film;
     const int32_t window[4] = {film->width, film->height, film->crop_x, film->crop_y};

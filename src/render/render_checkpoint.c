@@ -43,6 +43,7 @@ char *render_identity(const struct render *r) {
         fileio_hash_large(FILEIO_HASH, r->second_pass.file_bytes, r->second_pass.file_size);
     fprintf(out, "version=%s scene=%016llx records=%016llx ", SATIN_VERSION,
             (unsigned long long)r->scene.hash, (unsigned long long)records);
+    if (r->frames.view) fprintf(out, "views=%016llx ", (unsigned long long)render_views_hash(r));
     options_print_words(out, &r->options, affects_image);
     if (fclose(out) == 0) return text;
     free(text);

@@ -59,6 +59,7 @@ static void set_ranks(struct render *r) {
 
 bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.total_s", render_elapsed(r));
+    if (r->frames.view) stats_set(&r->stats, "time.frame_s", render_elapsed(r) - r->frames.start);
     stats_set(&r->stats, "time.load_s", r->scene.load_span.wall_s);
     stats_set(&r->stats, "time.cpu_s", stats_cpu());
     stats_set(&r->stats, "render.threads", parallel_threads(r->pool));
@@ -68,7 +69,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set_span(&r->stats, "bvh", r->scene.bvh_span);
     stats_set_parts(&r->stats, r->pool);
     set_camera(&r->scene, &film->camera);
-    char hash[20];
+    char hash[20], number[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->scene.hash);
     satin_options used = r->second_pass.options;
     // With a crop, these two options are the size of the whole film, so that --set takes them back.
@@ -83,6 +84,8 @@ bool render_metadata(struct render *r, struct satin_film *film) {
               film_attribute_set(film, "satin:scene_hash", hash) &&
               film_attribute_set(film, "satin:options", options);
     if (ok) ok = render_mattes_describe(&r->scene, &r->second_pass.options, film);
+    snprintf(number, sizeof number, "%d", r->frames.next - 1);
+    if (ok && r->frames.view) ok = film_attribute_set(film, "satin:frame", number);
     if (ok && film_channel(film, "variance.R"))
         ok = film_attribute_set(film, FILM_VARIANCE_ATTRIBUTE, FILM_VARIANCE_BOUND);
     if (ok && r->image->denoised)

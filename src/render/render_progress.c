@@ -75,6 +75,7 @@ double render_progress_left(const struct render *r, double done, double elapsed)
     const bool last = at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
     double left = INFINITY;
     if (last && own > SPEED_DONE && seconds > SPEED_SECONDS) left = seconds * (1.0 - done) / own;
+    if (r->frames.view) left = render_frames_left(r, left, elapsed);
     left = fmin(left, limit);
     return isfinite(left) ? left : -1.0;
 }
@@ -102,6 +103,8 @@ static void report_now(struct render *r, double done) {
         .rate = seconds > 0.0 ? fmax(done - at->skipped, 0.0) * at->items / seconds : 0.0,
         .elapsed = elapsed,
         .left = render_progress_left(r, done, elapsed),
+        .frame = r->frames.begun,
+        .frames = render_frames_count(r),
     };
     if (!r->callbacks.progress(r->callbacks.progress_user, &progress)) return;
     if (at->stage != STAGE_SETUP) at->cancelled_in = at->stage;
@@ -134,7 +137,8 @@ void render_stage_begin(struct render *r, enum render_stage stage, double items)
     struct render_progress *at = &r->progress;
     if (stage_reports[at->stage].seconds)
         stats_add(&r->stats, stage_reports[at->stage].seconds, now - at->stage_start);
-    if (at->stage != STAGE_SETUP && !render_cancelled(r)) report_now(r, 1.0);
+    const bool reported = at->stage != STAGE_SETUP && at->stage != STAGE_FILM;
+    if (reported && !render_cancelled(r)) report_now(r, 1.0);
     if (r->pool) parallel_begin_part(r->pool, stage_reports[stage].part);
     at->stage = stage;
     at->stage_start = now;

@@ -84,18 +84,22 @@ satin_status render_ranks_compare(const struct render *r) {
     const satin_ranks *ranks = r->callbacks.ranks;
     if (!ranks) return SATIN_OK;
     char *words = render_identity(r);
-    const size_t size = words ? strlen(words) + sizeof " checkpoint=1" : 0;
+    const satin_animation *animation = r->callbacks.animation;
+    const int first = animation ? animation->first : 0, last = animation ? animation->last : 0;
+    const size_t size = words ? strlen(words) + sizeof " checkpoint=1 frames=+-" + 24 : 0;
     char *own = words ? malloc(size) : NULL;
-    if (own) snprintf(own, size, "%s checkpoint=%d", words, r->callbacks.checkpoint != NULL);
+    if (own)
+        snprintf(own, size, "%s checkpoint=%d frames=%d-%d", words, r->callbacks.checkpoint != NULL,
+                 first, last);
     free(words);
     if (ranks->any(ranks->user, !own)) {
         free(own);
         return SATIN_ERROR_MEMORY;
     }
     const uint64_t hash = fileio_hash(FILEIO_HASH, own, strlen(own));
-    uint64_t first = hash;
-    ranks->broadcast(ranks->user, 0, &first, sizeof first);
-    const bool differ = ranks->any(ranks->user, first != hash);
+    uint64_t root = hash;
+    ranks->broadcast(ranks->user, 0, &root, sizeof root);
+    const bool differ = ranks->any(ranks->user, root != hash);
     if (differ) find_unequal(r, own);
     free(own);
     return differ ? SATIN_ERROR_INPUT : SATIN_OK;

@@ -41,6 +41,7 @@ static satin_status fill_levels(struct record_rounds *rounds, struct render_widt
         for (size_t i = 0; i < all && status == SATIN_OK; i++) {
             const uint32_t view = (uint32_t)(i / blocks);
             const size_t first = i % blocks * BLOCK_PIXELS, left = count - first;
+            const double made = count_records(r);
             const double part = span / RENDER_LEVELS / (double)all;
             render_stage_range(r, done + span * level / RENDER_LEVELS + part * (double)i, part);
             status =
@@ -55,6 +56,7 @@ static satin_status fill_levels(struct record_rounds *rounds, struct render_widt
                                                  .spacing = 1.5f * (float)stride};
                 status = fill_records(r->second_pass.fill, kind, &sites);
             }
+            if (r->frames.view) r->frames.records[view] += count_records(r) - made;
         }
         free(pixel);
         if (!covering) continue;

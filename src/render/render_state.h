@@ -96,10 +96,21 @@ struct render_outcome {
     bool error_logged;          // whether an error was logged
 };
 
+// The frames of an animation.
+struct render_frames {
+    struct camera *view;  // of all of them; NULL: the render has one image
+    double *records;      // number of records that were made for each view
+    int next;             // number of the next frame
+    int begun;            // images that were begun
+    // Seconds from the beginning of the render to that of the present image, and of the first one.
+    double start, images_start;
+    struct stats common;  // statistics of what all frames have in common
+};
+
 struct render {
     // Given by the caller. The scene has the film size and camera of this render and owns nothing;
     // the options are resolved: no field means "the scene's" any more. render_resolve sets both,
-    // and nothing changes them after it.
+    // and nothing changes them after it, but that the camera is the one of the present frame.
     struct satin_scene scene;
     satin_options options;
     satin_callbacks callbacks;
@@ -111,6 +122,7 @@ struct render {
     struct render_progress progress;
     struct render_first_pass first_pass;
     struct render_second_pass second_pass;
+    struct render_frames frames;
     struct render_image *image;
     struct render_snapshot *snapshot;      // NULL: there was none so far
     struct film_denoiser *denoiser;        // NULL: the image is not denoised
@@ -123,9 +135,34 @@ static inline bool render_cancelled(const struct render *r) {
     return r->progress.cancelled_in != STAGE_SETUP;
 }
 
+// ---- render_state.c
+// NULL if there is no memory. `callbacks` may be NULL.
+struct render *render_new(const satin_callbacks *callbacks);
+void render_free(struct render *r);  // NULL is allowed
+
 // ---- render_options.c: options and scene hints -> what is rendered
 satin_status render_resolve(struct render *r, const struct satin_scene *scene,
                             const satin_options *options);
+
+// ---- render_animation.c: the frames of an animation
+// Sets the cameras of all frames, and checks that the animation can be rendered. Does nothing if
+// there is one image.
+satin_status render_views(struct render *r);
+void render_views_free(struct render *r);
+// The number of frames whose images are made; 0 if there is one image.
+int render_frames_count(const struct render *r);
+// The seconds until all images are made, `elapsed` seconds after the render began, if the present
+// one is made in `left`; INFINITY: that is not known.
+double render_frames_left(const struct render *r, double left, double elapsed);
+// A hash of the cameras of all frames; 0 if there is one image.
+uint64_t render_views_hash(const struct render *r);
+// To be called when all that the frames have in common is made.
+void render_frames_begin(struct render *r);
+// Makes an empty image for the next frame and sets its camera. False if there is no further frame,
+// or if that failed: then *status is not SATIN_OK.
+bool render_frame_next(struct render *r, satin_status *status);
+// Passes the film to the caller, and returns the status of that on rank 0.
+satin_status render_frame_done(struct render *r, struct satin_film *film);
 
 // ---- render_progress.c
 // The course of the render's options.

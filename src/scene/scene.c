@@ -12,6 +12,8 @@ void satin_scene_free(satin_scene *scene) {
     free(scene);
 }
 
+int satin_scene_sensor_count(const satin_scene *scene) { return (int)scene->sensor_count; }
+
 uint64_t satin_scene_hash(const satin_scene *scene) { return scene->hash; }
 
 void satin_scene_film_size(const satin_scene *scene, int *width, int *height) {

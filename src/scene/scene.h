@@ -304,6 +304,9 @@ struct satin_scene {
     // alone. All have the same film.
     const struct camera *view;
     uint32_t view_count;
+    // With SATIN_SCENE_ALL_SENSORS: the cameras of all sensors, whose films have one size.
+    struct camera *sensor;
+    uint32_t sensor_count;
     struct film_spec film;
     struct scene_hints hints;
     struct trace *trace;

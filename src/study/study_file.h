@@ -7,7 +7,7 @@
 #include "base/arena.h"
 #include "satin/options.h"
 #include "satin/scene.h"
-#include "study/study_toml.h"
+#include "toml/toml.h"
 
 // Options by name. They are set in order.
 struct study_settings {

@@ -13,9 +13,10 @@ import sys
 
 # The order of the light: a folder of src includes only those before it.
 ORDER = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "cache", "gather",
-          "fill", "shade", "film", "render", "study", "apps"]
+          "fill", "shade", "film", "render", "toml", "animation",
+         "study", "apps"]
 # The only folder that may include headers of a library.
-LIBRARIES = {"embree": "scene", "flann": "photon", "toml": "study"}
+LIBRARIES = {"embree": "scene", "flann": "photon", "toml": "toml"}
 # How names of files may begin; base is free, the others have their folder's noun.
 NOUNS = {"render": ("render", "options"), "apps": ("app", "main")}
 # What the top folder may hold beside hidden files.

@@ -94,8 +94,9 @@ ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neigh
 IDENTIFIERS = {
     "Place": ("places?|placed|placing", {
         "log_place": r"src/(?:apps/app_info_cache|base/(?:fileio|log)|film/film_exr_read|load/"
-                     r"|render/(?:options|render_cache)|scene/scene_hints|study/)",
-        "place": r"src/(?:base/(?:fileio|log)|load/|render/options|scene/scene_hints)",
+                     r"|render/(?:options|render_cache)|scene/scene_hints|study/|toml/"
+                     r"|animation/)",
+        "place": r"src/(?:animation/|base/(?:fileio|log)|load/|render/options|scene/scene_hints)",
         "current_place": "src/load/load_xml"}),
     "Part": ("parts?", {
         "parallel_(?:begin_)?parts?|stats_set_parts|PARALLEL_PARTS_MAX|set_part|part_count":

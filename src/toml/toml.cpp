@@ -3,7 +3,7 @@
 // structs, and every exception becomes a message and a status. A table of toml++ is sorted by its
 // keys; here the children have the order of the file, because the order of axes matters.
 extern "C" {
-#include "study/study_toml.h"
+#include "toml/toml.h"
 }
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to study/: a TOML file as a tree of plain structs.
-#ifndef STUDY_TOML_H
-#define STUDY_TOML_H
+// A TOML file as a tree of plain structs, for the files that the command reads: studies and camera
+// paths.
+#ifndef TOML_TOML_H
+#define TOML_TOML_H
 
 #include <stdbool.h>
 #include <stddef.h>

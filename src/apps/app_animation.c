@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// The arguments of an animation, and the names of its files.
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/app.h"
+#include "apps/app_animation.h"
+
+// ---- Names --------------------------------------------------------------------------------------
+
+// The last run of # in a name, and its length; NULL if there is none.
+static const char *find_number(const char *name, int *digits) {
+    const char *last = strrchr(name, '#'), *first = last;
+    while (last && first > name && first[-1] == '#') first--;
+    *digits = last ? (int)(last - first) + 1 : 0;
+    return first;
+}
+
+// A name with the number of a frame, from malloc; of no name, NULL.
+static char *frame_name(const char *name, int number) {
+    int digits;
+    if (!name) return NULL;
+    const char *at = find_number(name, &digits);
+    if (!at) return strdup(name);
+    const size_t size = strlen(name) + 16;
+    char *out = malloc(size);
+    if (out) snprintf(out, size, "%.*s%0*d%s", (int)(at - name), name, digits, number, at + digits);
+    return out;
+}
+
+int app_frame_begin(const struct app_render_request *r, int number,
+                    struct app_render_request *out) {
+    *out = *r;
+    out->output = frame_name(r->output, number);
+    out->png = frame_name(r->png, number);
+    out->stats = frame_name(r->stats, number);
+    const bool whole = out->output && (out->png || !r->png) && (out->stats || !r->stats);
+    return whole ? APP_DONE : app_no_memory();
+}
+
+void app_frame_end(struct app_render_request *frame) {
+    free((char *)frame->output);
+    free((char *)frame->png);
+    free((char *)frame->stats);
+}
+
+// ---- Arguments ----------------------------------------------------------------------------------
+
+// Reads A-B or A. False if it is something else.
+static bool read_frames(const char *text, satin_animation *out) {
+    char *end;
+    if (*text < '0' || *text > '9') return false;
+    const long first = strtol(text, &end, 10);
+    long last = first;
+    if (*end == '-' && end[1] >= '0' && end[1] <= '9') last = strtol(end + 1, &end, 10);
+    if (*end || first > last || last > INT32_MAX) return false;
+    out->first = (int)first;
+    out->last = (int)last;
+    return true;
+}
+
+static int check_name(const char *name) {
+    int digits;
+    if (!name || strcmp(name, APP_STDOUT) == 0 || find_number(name, &digits)) return APP_DONE;
+    return app_wrong("%s: the name of a frame's file needs #### for the number of the frame", name);
+}
+
+// Checks that the frames are those of the path, which has `count` of them.
+static int check_frames(const struct app_render_request *r, const satin_animation *frames,
+                        int count) {
+    const int last = frames->number + count - 1;
+    if (frames->first >= frames->number && frames->last <= last) return APP_DONE;
+    return app_wrong("--frames %s: %s has the frames %d to %d", r->frames, r->animation,
+                     frames->number, last);
+}
+
+int app_animation_read(const struct app_render_request *r, struct app_animation *out) {
+    const struct log log = {app_log_file, NULL};
+    *out = (struct app_animation){0};
+    if (!r->animation && r->frames) return app_wrong("--frames needs --animation");
+    if (!r->animation) return APP_DONE;
+    if (r->checkpoint || r->resume)
+        return app_wrong("an animation has no checkpoint; render the rest with --frames");
+    int status = check_name(r->output);
+    if (status == APP_DONE) status = check_name(r->png);
+    if (status == APP_DONE) status = check_name(r->stats);
+    if (status != APP_DONE) return status;
+    if (r->frames && !read_frames(r->frames, &out->frames))
+        return app_wrong("--frames needs A-B, such as 1-60, or one number, not '%s'", r->frames);
+    status = app_exit_of(animation_read(log, r->animation, &out->path));
+    if (status != APP_DONE) return status;
+    out->frames.number = out->path.number;
+    out->frames.views = out->path.view;
+    out->frames.count = out->path.count;
+    if (!r->frames) {
+        out->frames.first = out->path.number;
+        out->frames.last = out->path.number + out->path.count - 1;
+    }
+    return out->path.sensors || !r->frames ? APP_DONE
+                                           : check_frames(r, &out->frames, out->path.count);
+}
+
+int app_animation_choose(const struct app_render_request *r, const satin_scene *scene,
+                         struct app_animation *animation) {
+    satin_animation *frames = &animation->frames;
+    if (!animation->path.sensors) return APP_DONE;
+    const int count = satin_scene_sensor_count(scene);
+    if (!r->frames) frames->last = frames->number + count - 1;
+    return check_frames(r, frames, count);
+}
+
+void app_animation_free(struct app_animation *animation) {
+    animation_path_free(&animation->path);
+    *animation = (struct app_animation){0};
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The animation of `satin render`: its camera path, which frames are rendered, and their files.
+#ifndef APP_ANIMATION_H
+#define APP_ANIMATION_H
+
+#include "animation/animation.h"
+#include "apps/app_render.h"
+
+struct app_animation {
+    struct animation_path path;
+    satin_animation frames;  // all but the function
+};
+
+// Reads the camera path of the request, and checks the arguments of the animation. Reports an error
+// and returns APP_WRONG or APP_FAILED. Without an animation it only checks that there are none. To
+// be freed in any case.
+int app_animation_read(const struct app_render_request *r, struct app_animation *out);
+// Sets which frames are rendered, when the scene is there. Reports frames that the path does not
+// have and returns APP_WRONG.
+int app_animation_choose(const struct app_render_request *r, const satin_scene *scene,
+                         struct app_animation *animation);
+void app_animation_free(struct app_animation *animation);
+
+// Sets *out to the request with the outputs of frame `number` as its own. To be freed in any case.
+// Reports lack of memory and returns APP_FAILED.
+int app_frame_begin(const struct app_render_request *r, int number, struct app_render_request *out);
+void app_frame_end(struct app_render_request *frame);
+
+#endif

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Animations: the cameras of all frames, for which photons, records and all else is made, and then
+// the frames, one after the other. An image changes nothing that another one reads.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "base/fileio.h"
+#include "render/render_image.h"
+
+// ---- Cameras ------------------------------------------------------------------------------------
+
+static vec3 view_vector(const double v[3]) { return v3((float)v[0], (float)v[1], (float)v[2]); }
+
+// The camera of a view: the sensor of the scene elsewhere, and perhaps with another angle.
+static satin_status make_camera(const struct render *r, const satin_view *view, int number,
+                                struct camera *out) {
+    *out = r->scene.camera;
+    if (out->orthographic)
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "views of an animation need a perspective sensor");
+    if (!mat4_look_at(view_vector(view->origin), view_vector(view->target), view_vector(view->up),
+                      &out->to_world))
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "frame %d has no view: origin and target coincide, or up is along the view",
+                        number);
+    if (view->fov == 0.0) return SATIN_OK;
+    if (!(view->fov > 0.0 && view->fov < 180.0))
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "frame %d: the angle of view %g is not between 0 and 180 degrees", number,
+                        view->fov);
+    out->tan_x = (float)tan(view->fov * 3.14159265358979323846 / 360.0);
+    out->tan_y = r->scene.camera.tan_y / r->scene.camera.tan_x * out->tan_x;
+    return SATIN_OK;
+}
+
+// Sets the cameras of `count` frames.
+static satin_status set_views(struct render *r, const satin_animation *a, int count) {
+    const struct camera *own = &r->scene.camera;
+    // By which the height was changed with the size of the film.
+    const float height = own->tan_y;
+    satin_status status = SATIN_OK;
+    for (int i = 0; i < count && status == SATIN_OK; i++) {
+        struct camera *view = &r->frames.view[i];
+        if (a->views) {
+            status = make_camera(r, &a->views[i], a->number + i, view);
+            continue;
+        }
+        *view = r->scene.sensor[i];
+        view->tan_y = height / own->tan_x * view->tan_x;
+    }
+    return status;
+}
+
+static satin_status check_animation(const struct render *r, const satin_animation *a, int count) {
+    if (count < 1 || !a->frame || a->number < 0 || a->number > INT32_MAX - count)
+        return log_fail(r->log, SATIN_ERROR_ARGUMENT, "the animation has no frames or no function");
+    if (a->first < a->number || a->last >= a->number + count || a->first > a->last)
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "frames %d to %d are not all of the frames %d to %d", a->first, a->last,
+                        a->number, a->number + count - 1);
+    if (r->options.time > 0.0)
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "an animation has no time limit, as its frames would depend on the time "
+                        "that others take; set spp instead of time");
+    if (r->callbacks.checkpoint)
+        return log_fail(r->log, SATIN_ERROR_INPUT, "an animation has no checkpoint");
+    if (r->options.integrator == SATIN_SPPM)
+        return log_fail(r->log, SATIN_ERROR_INPUT, "the integrator sppm renders no animations");
+    return SATIN_OK;
+}
+
+satin_status render_views(struct render *r) {
+    const satin_animation *a = r->callbacks.animation;
+    if (!a) return SATIN_OK;
+    const int count = a->views ? a->count : (int)r->scene.sensor_count;
+    satin_status status = check_animation(r, a, count);
+    if (status != SATIN_OK) return status;
+    r->frames.view = array_new((size_t)count, sizeof *r->frames.view);
+    r->frames.records = array_new((size_t)count, sizeof *r->frames.records);
+    if (!r->frames.view || !r->frames.records) return SATIN_ERROR_MEMORY;
+    status = set_views(r, a, count);
+    r->scene.view = r->frames.view;
+    r->scene.view_count = (uint32_t)count;
+    return status;
+}
+
+void render_views_free(struct render *r) {
+    free(r->frames.view);
+    free(r->frames.records);
+}
+
+uint64_t render_views_hash(const struct render *r) {
+    if (!r->frames.view) return 0;
+    uint64_t hash = FILEIO_HASH;
+    for (uint32_t i = 0; i < r->scene.view_count; i++) {
+        const struct camera *c = &r->frames.view[i];
+        const float values[] = {c->tan_x,    c->tan_y,    c->near_clip,
+                                c->far_clip, c->aperture, c->focus_distance,
+                                c->shift.x,  c->shift.y,  c->orthographic ? 1.0f : 0.0f};
+        hash = fileio_hash(hash, values, sizeof values);
+        hash = fileio_hash(hash, &c->to_world, sizeof c->to_world);
+    }
+    return hash;
+}
+
+// ---- Frames -------------------------------------------------------------------------------------
+
+int render_frames_count(const struct render *r) {
+    const satin_animation *a = r->callbacks.animation;
+    return a ? a->last - a->first + 1 : 0;
+}
+
+double render_frames_left(const struct render *r, double left, double elapsed) {
+    const struct render_frames *f = &r->frames;
+    const int later = render_frames_count(r) - f->begun;
+    // Each later image takes the mean time of those before; the first one, as long as it will.
+    const double whole =
+        f->begun > 1 ? (f->start - f->images_start) / (f->begun - 1) : elapsed - f->start + left;
+    return left + later * whole;
+}
+
+void render_frames_begin(struct render *r) {
+    struct render_frames *f = &r->frames;
+    render_stage_begin(r, STAGE_SETUP, 0.0);
+    f->common = r->stats;
+    f->next = r->callbacks.animation->first;
+    f->images_start = render_elapsed(r);
+}
+
+bool render_frame_next(struct render *r, satin_status *status) {
+    struct render_frames *f = &r->frames;
+    if (f->next > r->callbacks.animation->last) return false;
+    const int number = f->next++;
+    r->scene.camera = f->view[number - r->callbacks.animation->number];
+    r->stats = f->common;
+    f->start = render_elapsed(r);
+    f->begun++;
+    stats_set(&r->stats, "frame.number", number);
+    stats_set(&r->stats, "frame.records", f->records[number - r->callbacks.animation->number]);
+    if (f->begun == 1) return true;  // the image was made before all else
+    render_snapshot_free(r->snapshot);
+    r->snapshot = NULL;
+    render_image_free(r->image);
+    r->image = render_image_new(&r->scene, &r->second_pass.options);
+    if (!r->image) *status = SATIN_ERROR_MEMORY;
+    return r->image != NULL;
+}
+
+satin_status render_frame_done(struct render *r, struct satin_film *film) {
+    const satin_animation *a = r->callbacks.animation;
+    return render_ranks_status(r, a->frame(a->user, r->frames.next - 1, film));
+}
