@@ -6,6 +6,8 @@
 #ifndef SATIN_ANIMATION_H
 #define SATIN_ANIMATION_H
 
+#include <stdbool.h>
+
 #include "satin/film.h"
 
 #ifdef __cplusplus
@@ -25,6 +27,12 @@ typedef struct satin_view {
 // ends the render, which returns it.
 typedef satin_status (*satin_frame_fn)(void *user, int number, const satin_film *film);
 
+// Sets *complete to whether the caller has the image of frame `number` already, made by the very
+// render that `job` stands for: by the same version, scene, options and views. A film has the job
+// of its render in the attribute `satin:job`. Asked for all frames before anything is rendered, on
+// the thread that called satin_render. A status other than SATIN_OK ends the render.
+typedef satin_status (*satin_complete_fn)(void *user, int number, const char *job, bool *complete);
+
 // The frames of a render. All pointers are the caller's and must be valid until satin_render
 // returns.
 typedef struct satin_animation {
@@ -35,6 +43,7 @@ typedef struct satin_animation {
     int number;       // of the first view's frame; the others count up from it
     int first, last;  // numbers of the frames whose images are made, which are all of views
     satin_frame_fn frame;
+    satin_complete_fn complete;  // frames that are complete are left out; NULL: none is
     void *user;
 } satin_animation;
 

@@ -86,8 +86,8 @@ typedef struct satin_callbacks {
     // have one whose pixels are the same. Their files of records and checkpoints are not written.
     const satin_ranks *ranks;
     // The frames of an animation, each of which is an image; NULL: there is one image. An animation
-    // has no time limit and no checkpoint, and is not rendered by SATIN_SPPM, which changes its
-    // photons during an image: these are refused with SATIN_ERROR_INPUT, logged.
+    // has no time limit and no checkpoint file, and is not rendered by SATIN_SPPM, which changes
+    // its photons during an image: these are refused with SATIN_ERROR_INPUT, logged.
     const satin_animation *animation;
 } satin_callbacks;
 

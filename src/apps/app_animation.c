@@ -2,9 +2,11 @@
 // The arguments of an animation, and the names of its files.
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "apps/app.h"
 #include "apps/app_animation.h"
+#include "film/film.h"
 
 // ---- Names --------------------------------------------------------------------------------------
 
@@ -44,6 +46,27 @@ void app_frame_end(struct app_render_request *frame) {
     free((char *)frame->stats);
 }
 
+// ---- Complete frames ----------------------------------------------------------------------------
+
+static bool has_file(const char *name) { return !name || access(name, F_OK) == 0; }
+
+satin_status app_frame_complete(const struct app_render_request *frame, const char *job,
+                                struct log log, bool *complete) {
+    satin_film *film = NULL;
+    *complete = false;
+    if (access(frame->output, F_OK) != 0) return SATIN_OK;
+    const satin_status status = satin_film_read(frame->output, log.fn, log.user, &film);
+    if (status != SATIN_OK) return status;
+    const char *own = film_attribute_get(film, "satin:job");
+    const bool same = own && strcmp(own, job) == 0;
+    satin_film_free(film);
+    *complete = same && has_file(frame->png) && has_file(frame->stats);
+    if (same) return SATIN_OK;
+    return log_fail(log, SATIN_ERROR_INPUT,
+                    "%s: not a frame of this render; without --resume it is replaced",
+                    frame->output);
+}
+
 // ---- Arguments ----------------------------------------------------------------------------------
 
 // Reads A-B or A. False if it is something else.
@@ -79,8 +102,12 @@ int app_animation_read(const struct app_render_request *r, struct app_animation 
     *out = (struct app_animation){0};
     if (!r->animation && r->frames) return app_wrong("--frames needs --animation");
     if (!r->animation) return APP_DONE;
-    if (r->checkpoint || r->resume)
-        return app_wrong("an animation has no checkpoint; render the rest with --frames");
+    if (r->checkpoint)
+        return app_wrong(
+            "an animation has no checkpoint file; --resume leaves complete frames out");
+    if (r->resume && !app_ends_in(r->output, ".exr"))
+        return app_wrong("%s: --resume needs frames as .exr, which say of which render they are",
+                         r->output);
     int status = check_name(r->output);
     if (status == APP_DONE) status = check_name(r->png);
     if (status == APP_DONE) status = check_name(r->stats);

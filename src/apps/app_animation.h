@@ -25,5 +25,9 @@ void app_animation_free(struct app_animation *animation);
 // Reports lack of memory and returns APP_FAILED.
 int app_frame_begin(const struct app_render_request *r, int number, struct app_render_request *out);
 void app_frame_end(struct app_render_request *frame);
+// Sets *complete to whether all files of a frame exist, made by this job. SATIN_ERROR_INPUT,
+// logged, if its image is of another one or cannot be read.
+satin_status app_frame_complete(const struct app_render_request *frame, const char *job,
+                                struct log log, bool *complete);
 
 #endif

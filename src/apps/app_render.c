@@ -44,7 +44,7 @@ static int name_outputs(struct app_render_request *r) {
         r->png = r->png_beside = name_beside(r->output, ".png");
         if (!r->png) return app_no_memory();
     }
-    if (r->resume && !r->checkpoint) {
+    if (r->resume && !r->checkpoint && !r->animation) {
         r->checkpoint = r->checkpoint_beside = name_beside(r->output, ".checkpoint");
         if (!r->checkpoint) return app_no_memory();
     }
@@ -158,6 +158,19 @@ static satin_status write_frame_files(void *user, int number, const satin_film *
     return status;
 }
 
+// A satin_complete_fn: whether the files of a frame are there, for --resume.
+static satin_status find_frame_files(void *user, int number, const char *job, bool *complete) {
+    struct frame_user *u = user;
+    struct app_render_request frame;
+    const struct log log = {app_log_file, u->progress};
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (app_frame_begin(u->request, number, &frame) == APP_DONE)
+        status = app_frame_complete(&frame, job, log, complete);
+    u->count -= status == SATIN_OK && *complete;
+    app_frame_end(&frame);
+    return status;
+}
+
 // Renders, and shows the image meanwhile if that was asked for.
 static satin_status render_live(const struct app_render_request *r, const satin_scene *scene,
                                 const satin_options *options, const satin_animation *animation,
@@ -172,7 +185,7 @@ static satin_status render_live(const struct app_render_request *r, const satin_
                                        .load_cache = r->load,
                                        .save_cache = r->save,
                                        .checkpoint = r->checkpoint,
-                                       .resume = r->resume,
+                                       .resume = r->resume && !animation,
                                        .checkpoint_seconds = r->checkpoint_seconds,
                                        .snapshot = first && shown ? app_live_snapshot : NULL,
                                        .snapshot_user = live,
@@ -209,10 +222,16 @@ static satin_status render_animation(const struct app_render_request *r, const s
                               0, start};
     satin_film *none = NULL;
     frames.frame = write_frame_files;
+    frames.complete = r->resume ? find_frame_files : NULL;
     frames.user = &user;
     const satin_status status = render_live(r, scene, options, &frames, live, &none);
     if (!app_ranks_first(r->ranks)) return status;
-    if (!r->quiet)
+    const bool shown = !r->quiet && (status == SATIN_OK || status == SATIN_CANCELLED);
+    const int left_out = frames.last - frames.first + 1 - user.count;
+    if (shown && left_out > 0)
+        fprintf(stderr, "%d frame%s complete before\n", left_out,
+                left_out == 1 ? " was" : "s were");
+    if (shown)
         fprintf(stderr, "%d frame%s, %.2f s%s\n", user.done, user.done == 1 ? "" : "s",
                 stats_wall() - start, status == SATIN_CANCELLED ? ", cancelled" : "");
     app_live_finish(live, NULL);

@@ -53,7 +53,8 @@ const struct app_flag app_render_flags[] = {
      "How often the state of the image is written to the checkpoint; 60 if not given."},
     {"--resume", NULL, NULL,
      "Goes on from the checkpoint, if there is one: OUT.checkpoint if no other is named. With a "
-     "larger --spp, samples are added to a complete image."},
+     "larger --spp, samples are added to a complete image. Of an animation, leaves out frames that "
+     "are complete."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--sensor", NULL, "INDEX|ID",

@@ -155,6 +155,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     satin_status status = r ? prepare(r, scene, options) : SATIN_ERROR_MEMORY;
     if (r) status = render_ranks_agree(r, status);
     if (status == SATIN_OK) status = render_ranks_compare(r);
+    if (status == SATIN_OK) status = render_frames_ask(r);
     if (status == SATIN_OK) status = render_checkpoint_open(r);
     if (status == SATIN_OK) status = first_pass(r);
     if (status == SATIN_OK) status = prepare_gathering(r);

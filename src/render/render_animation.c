@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "base/fileio.h"
@@ -65,7 +66,7 @@ static satin_status check_animation(const struct render *r, const satin_animatio
                         "an animation has no time limit, as its frames would depend on the time "
                         "that others take; set spp instead of time");
     if (r->callbacks.checkpoint)
-        return log_fail(r->log, SATIN_ERROR_INPUT, "an animation has no checkpoint");
+        return log_fail(r->log, SATIN_ERROR_INPUT, "an animation has no checkpoint file");
     if (r->options.integrator == SATIN_SPPM)
         return log_fail(r->log, SATIN_ERROR_INPUT, "the integrator sppm renders no animations");
     return SATIN_OK;
@@ -79,7 +80,8 @@ satin_status render_views(struct render *r) {
     if (status != SATIN_OK) return status;
     r->frames.view = array_new((size_t)count, sizeof *r->frames.view);
     r->frames.records = array_new((size_t)count, sizeof *r->frames.records);
-    if (!r->frames.view || !r->frames.records) return SATIN_ERROR_MEMORY;
+    r->frames.complete = array_new((size_t)count, sizeof *r->frames.complete);
+    if (!r->frames.view || !r->frames.records || !r->frames.complete) return SATIN_ERROR_MEMORY;
     status = set_views(r, a, count);
     r->scene.view = r->frames.view;
     r->scene.view_count = (uint32_t)count;
@@ -89,6 +91,7 @@ satin_status render_views(struct render *r) {
 void render_views_free(struct render *r) {
     free(r->frames.view);
     free(r->frames.records);
+    free(r->frames.complete);
 }
 
 uint64_t render_views_hash(const struct render *r) {
@@ -107,10 +110,7 @@ uint64_t render_views_hash(const struct render *r) {
 
 // ---- Frames -------------------------------------------------------------------------------------
 
-int render_frames_count(const struct render *r) {
-    const satin_animation *a = r->callbacks.animation;
-    return a ? a->last - a->first + 1 : 0;
-}
+int render_frames_count(const struct render *r) { return r->frames.wanted; }
 
 double render_frames_left(const struct render *r, double left, double elapsed) {
     const struct render_frames *f = &r->frames;
@@ -119,6 +119,39 @@ double render_frames_left(const struct render *r, double left, double elapsed) {
     const double whole =
         f->begun > 1 ? (f->start - f->images_start) / (f->begun - 1) : elapsed - f->start + left;
     return left + later * whole;
+}
+
+// A hash of all that the images depend on. The records of a file do not count if they are those
+// that this render would make.
+static satin_status find_job(struct render *r) {
+    char *identity = render_identity(r);
+    if (!identity) return SATIN_ERROR_MEMORY;
+    uint64_t hash = FILEIO_HASH;
+    struct identity_word word;
+    for (const char *at = identity; render_identity_next(&at, &word);) {
+        const bool records = word.name == 7 && strncmp(word.at, "records", 7) == 0;
+        if (!records || (r->second_pass.file && !render_cache_whole(r)))
+            hash = fileio_hash(hash, word.at, word.length + 1);
+    }
+    free(identity);
+    snprintf(r->frames.job, sizeof r->frames.job, "%016llx", (unsigned long long)hash);
+    return SATIN_OK;
+}
+
+satin_status render_frames_ask(struct render *r) {
+    const satin_animation *a = r->callbacks.animation;
+    struct render_frames *f = &r->frames;
+    if (!a) return SATIN_OK;
+    satin_status status = find_job(r);
+    for (int i = a->first; i <= a->last && status == SATIN_OK; i++) {
+        bool *complete = &f->complete[i - a->number];
+        if (a->complete && render_is_first(r)) status = a->complete(a->user, i, f->job, complete);
+        *complete = render_agreed(r, *complete) > 0.0;
+        f->wanted += !*complete;
+        status = render_ranks_status(r, status);
+    }
+    if (status == SATIN_OK && !f->wanted) render_take_course(r, COURSE_DIRECT);
+    return status;
 }
 
 void render_frames_begin(struct render *r) {
@@ -131,14 +164,16 @@ void render_frames_begin(struct render *r) {
 
 bool render_frame_next(struct render *r, satin_status *status) {
     struct render_frames *f = &r->frames;
-    if (f->next > r->callbacks.animation->last) return false;
+    const satin_animation *a = r->callbacks.animation;
+    while (f->next <= a->last && f->complete[f->next - a->number]) f->next++;
+    if (f->next > a->last) return false;
     const int number = f->next++;
-    r->scene.camera = f->view[number - r->callbacks.animation->number];
+    r->scene.camera = f->view[number - a->number];
     r->stats = f->common;
     f->start = render_elapsed(r);
     f->begun++;
     stats_set(&r->stats, "frame.number", number);
-    stats_set(&r->stats, "frame.records", f->records[number - r->callbacks.animation->number]);
+    stats_set(&r->stats, "frame.records", f->records[number - a->number]);
     if (f->begun == 1) return true;  // the image was made before all else
     render_snapshot_free(r->snapshot);
     r->snapshot = NULL;

@@ -104,13 +104,19 @@ satin_status render_cache_open(struct render *r) {
     return status;
 }
 
+bool render_cache_whole(const struct render *r) {
+    if (!r->second_pass.file) return false;
+    const uint64_t view = cache_file_summary(r->second_pass.file).provenance.view;
+    return view != 0 && view == view_hash(r);
+}
+
 satin_status render_cache_load(struct render *r, bool *whole) {
     *whole = false;
     if (!r->second_pass.file) return SATIN_OK;
     const struct cache_summary file = cache_file_summary(r->second_pass.file);
     satin_status status =
         cache_load(r->second_pass.cache, r->second_pass.file, r->callbacks.load_cache, r->log);
-    *whole = file.provenance.view != 0 && file.provenance.view == view_hash(r);
+    *whole = render_cache_whole(r);
     stats_set(&r->stats, "records.loaded", (double)(file.irradiance + file.radiance));
     render_cache_free(r);
     return status;

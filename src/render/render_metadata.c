@@ -85,7 +85,9 @@ bool render_metadata(struct render *r, struct satin_film *film) {
               film_attribute_set(film, "satin:options", options);
     if (ok) ok = render_mattes_describe(&r->scene, &r->second_pass.options, film);
     snprintf(number, sizeof number, "%d", r->frames.next - 1);
-    if (ok && r->frames.view) ok = film_attribute_set(film, "satin:frame", number);
+    if (ok && r->frames.view)
+        ok = film_attribute_set(film, "satin:frame", number) &&
+             film_attribute_set(film, "satin:job", r->frames.job);
     if (ok && film_channel(film, "variance.R"))
         ok = film_attribute_set(film, FILM_VARIANCE_ATTRIBUTE, FILM_VARIANCE_BOUND);
     if (ok && r->image->denoised)

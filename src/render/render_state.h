@@ -100,8 +100,10 @@ struct render_outcome {
 struct render_frames {
     struct camera *view;  // of all of them; NULL: the render has one image
     double *records;      // number of records that were made for each view
+    bool *complete;       // whether the caller has the image of a view already
+    char job[20];         // of this render, as satin:job in its films
     int next;             // number of the next frame
-    int begun;            // images that were begun
+    int wanted, begun;    // images that are to be made, and that were begun
     // Seconds from the beginning of the render to that of the present image, and of the first one.
     double start, images_start;
     struct stats common;  // statistics of what all frames have in common
@@ -149,6 +151,9 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
 // there is one image.
 satin_status render_views(struct render *r);
 void render_views_free(struct render *r);
+// Asks the caller which frames are complete, when all options and files are known. If all are, the
+// course has no steps but the images.
+satin_status render_frames_ask(struct render *r);
 // The number of frames whose images are made; 0 if there is one image.
 int render_frames_count(const struct render *r);
 // The seconds until all images are made, `elapsed` seconds after the render began, if the present
@@ -216,6 +221,8 @@ satin_status render_image_pilot(struct render *r, struct render_pace *pace);
 satin_status render_cache_open(struct render *r);
 // Adds the records of the file to the cache. *whole: the image needs no more.
 satin_status render_cache_load(struct render *r, bool *whole);
+// Whether the records of the file are all that this render would make.
+bool render_cache_whole(const struct render *r);
 satin_status render_cache_save(const struct render *r);  // if the caller has named a file
 void render_cache_free(struct render *r);
 
