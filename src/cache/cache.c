@@ -106,16 +106,25 @@ static double tree_bytes(const struct cache_tree *t) {
                     t->ref_capacity * sizeof *t->ref);
 }
 
+double cache_bytes(const struct cache *cache) {
+    return tree_bytes(&cache->store[CACHE_IRRADIANCE].tree) +
+           tree_bytes(&cache->store[CACHE_RADIANCE].tree) +
+           (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +
+           (double)(cache->radiance_capacity * sizeof *cache->radiance) +
+           (double)cache->radiance_arena.bytes;
+}
+
+void cache_limit(struct cache *cache, double bytes) { cache->bytes_most = bytes; }
+
+bool cache_full(const struct cache *cache) {
+    return cache->bytes_most > 0.0 && cache_bytes(cache) >= cache->bytes_most;
+}
+
 uint64_t cache_rays(const struct cache *cache) { return cache->rays; }
 
 void cache_statistics(const struct cache *cache, struct stats *stats) {
     stats_set(stats, "records.irradiance", (double)cache_count(cache, CACHE_IRRADIANCE));
     stats_set(stats, "records.radiance", (double)cache_count(cache, CACHE_RADIANCE));
     stats_set(stats, "records.rays", (double)cache->rays);
-    stats_set(stats, "records.bytes",
-              tree_bytes(&cache->store[CACHE_IRRADIANCE].tree) +
-                  tree_bytes(&cache->store[CACHE_RADIANCE].tree) +
-                  (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +
-                  (double)(cache->radiance_capacity * sizeof *cache->radiance) +
-                  (double)cache->radiance_arena.bytes);
+    stats_set(stats, "records.bytes", cache_bytes(cache));
 }

@@ -216,6 +216,11 @@ uint64_t cache_rays(const struct cache *cache);
 // Position, normal and R of record i of a kind, in the order in which records were made.
 void cache_record(const struct cache *cache, enum cache_kind kind, size_t i, vec3 *p, vec3 *n,
                   float *R);
+// Bytes of the records and of the octrees.
+double cache_bytes(const struct cache *cache);
+// Sets the number of bytes, > 0, from which on no more records are made; and whether that is so.
+void cache_limit(struct cache *cache, double bytes);
+bool cache_full(const struct cache *cache);
 void cache_statistics(const struct cache *cache, struct stats *stats);
 
 #endif

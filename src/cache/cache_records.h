@@ -81,7 +81,8 @@ struct cache {
     float *cosine;                // the projection of cos(theta), so that E = Lambda . cosine
     int cosine_order;             // order of `cosine`; the cosine has two bands of HSH
 
-    uint64_t rays;  // number of rays of all records
+    uint64_t rays;      // number of rays of all records
+    double bytes_most;  // limit of its memory, after which no records are made; 0: none
 };
 
 // ---- New records (cache_insert.c) ---------------------------------------------------------------

@@ -358,7 +358,7 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
     if (b->waiting && b->job && b->coefficients) status = SATIN_OK;
     for (size_t i = 0; i < sites->count && status == SATIN_OK; i++)
         if (sites->site[i].kinds >> kind & 1u) b->waiting[b->last++] = &sites->site[i];
-    while (b->next < b->last && status == SATIN_OK) {
+    while (b->next < b->last && status == SATIN_OK && !cache_full(fill->cache)) {
         parallel_begin_part(fill->pool, "choose");
         bool whole = choose_batch(b);
         parallel_begin_part(fill->pool, "gather");

@@ -88,6 +88,8 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
                                     struct guide_visibility_samples samples, struct parallel *pool,
                                     struct guide_visibility **out);
 void guide_visibility_free(struct guide_visibility *visibility);  // NULL is allowed
+// The most bytes that it can have in this scene.
+double guide_visibility_most(const struct satin_scene *scene);
 size_t guide_visibility_bytes(const struct guide_visibility *visibility);
 // The visibility of the lights around p, for sampling direct light. NULL: all is visible.
 struct light_visibility guide_visibility_at(const struct guide_visibility *visibility, vec3 p);

@@ -298,11 +298,15 @@ static satin_status learn(struct learning *l, struct parallel *pool) {
     return done ? SATIN_OK : SATIN_CANCELLED;
 }
 
+static bool has_choice(const struct satin_scene *scene) {
+    return scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHTS_MAX;
+}
+
 satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed,
                                     struct guide_visibility_samples samples, struct parallel *pool,
                                     struct guide_visibility **out) {
     const bool sky = scene->environment >= 0;
-    const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHTS_MAX;
+    const bool choice = has_choice(scene);
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
@@ -336,6 +340,16 @@ struct light_visibility guide_visibility_at(const struct guide_visibility *visib
     return (struct light_visibility){
         visibility->histogram[i].fraction > 0.0f ? &visibility->histogram[i] : NULL,
         visibility->choice ? visibility->visible[i] : NULL};
+}
+
+// Pages that nothing writes take no memory.
+double guide_visibility_most(const struct satin_scene *scene) {
+    const struct guide_visibility *v = NULL;
+    const struct learning *l = NULL;
+    const double bins = (double)(GUIDE_CELLS_MAX + GUIDE_GROUPS) * LIGHT_HISTOGRAM_BINS;
+    if (scene->environment >= 0)
+        return sizeof *v + bins * (double)(sizeof *l->square + sizeof *l->traced);
+    return has_choice(scene) ? (double)(sizeof *v - sizeof v->histogram - sizeof v->bins) : 0.0;
 }
 
 size_t guide_visibility_bytes(const struct guide_visibility *visibility) {

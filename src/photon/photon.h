@@ -44,6 +44,19 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
                                struct log log, struct stats *stats, struct photon_maps **out);
 void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 
+// ---- Memory (photon_stored.c) -------------------------------------------------------------------
+
+// The most bytes that making the maps needs at any time, per path of each kind.
+struct photon_memory {
+    double global, clusters, direct, caustic;
+};
+// Measures it by the photons of a few paths. It depends on the scene and the options, not on the
+// threads. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_memory_measure(const struct photon_request *request, struct parallel *pool,
+                                   struct log log, struct photon_memory *out);
+// The most bytes of so many paths.
+double photon_memory_bytes(const struct photon_memory *memory, const struct photon_paths *paths);
+
 // The first-pass estimate at a surface point: the incident irradiance on the side of n (unit) at
 // the nearest entry of that side. *radius is set to that of a density estimate from the photons
 // around those of the entry's own estimate: it does not depend on the estimate's noise, so

@@ -2,6 +2,7 @@
 // The only table of options, and how the value of a row is parsed and printed.
 #include "render/options_table.h"
 
+#include <ctype.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -63,6 +64,12 @@ const struct option options_table[] = {
      "first image and writing are never left out: they take .2 s, and .5 s more per million "
      "pixels. If a sixteenth of the photons takes more than half of the limit, the image is "
      "path-traced, with a warning."},
+    {"memory", OPTION_BYTES, AT(memory), false, "0..1P",
+     "Limit of the memory of the process in bytes, with K, M, G or T for 2^10, 2^20, 2^30 or 2^40 "
+     "of them, such as 4G; 0 is no limit. Photons and records, and threads, are as many as fit. A "
+     "scene and an image that do not fit are refused, with the bytes that they need, before the "
+     "render begins. Reading the scene, checkpoints, several processes and Open Image Denoise may "
+     "need more."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
      "Length of the longest light path in segments: 0 is a black image, 1 emitted light alone, 2 "
      "direct light too. -1 is no limit, and -2 the scene's limit, if it has one."},
@@ -278,6 +285,37 @@ static bool parse_seed(const char *value, uint64_t *out) {
     return true;
 }
 
+static const char byte_units[] = "KMGTP";
+
+// Reads a number of bytes with at most one unit after it, which may be followed by B or iB.
+static bool parse_bytes(const char *value, double *out) {
+    char digits[32];
+    const size_t length = strspn(value, "0123456789.");
+    if (length == 0 || length >= sizeof digits) return false;
+    snprintf(digits, sizeof digits, "%.*s", (int)length, value);
+    if (!text_double(digits, out)) return false;
+    const char *unit = value + length;
+    const char *known = *unit ? strchr(byte_units, toupper((unsigned char)*unit)) : NULL;
+    if (known) {
+        *out = ldexp(*out, 10 * (int)(known - byte_units + 1));
+        unit++;
+    }
+    if (known && strncmp(unit, "iB", 2) == 0) unit++;
+    if (*unit == 'B') unit++;
+    *out = floor(*out);
+    return *unit == 0;
+}
+
+// Prints the bytes with the largest unit of which they are a multiple.
+static void print_bytes(int64_t value, char *out, size_t bytes) {
+    int unit = 0;
+    while (value && value % 1024 == 0 && byte_units[unit]) {
+        value /= 1024;
+        unit++;
+    }
+    snprintf(out, bytes, "%" PRId64 "%.*s", value, unit > 0, unit > 0 ? &byte_units[unit - 1] : "");
+}
+
 // Reads words NAME=on or NAME=off, separated by commas.
 static bool parse_materials(const char *value, char *out) {
     size_t length = strlen(value);
@@ -303,18 +341,23 @@ static bool parse_names(const char *value, char *out) {
     return true;
 }
 
+// Reads a bound of a range.
+static bool parse_bound(const struct option *option, const char *text, double *out) {
+    return option->kind == OPTION_BYTES ? parse_bytes(text, out) : text_double(text, out);
+}
+
 // The least and the highest value, read from the text of the range.
 static double lowest_value(const struct option *option) {
     char low[32];
     double bound;
     snprintf(low, sizeof low, "%.*s", (int)(strstr(option->range, "..") - option->range),
              option->range);
-    return text_double(low, &bound) ? bound : -INFINITY;
+    return parse_bound(option, low, &bound) ? bound : -INFINITY;
 }
 
 double option_highest(const struct option *option) {
     double bound;
-    return text_double(strstr(option->range, "..") + 2, &bound) ? bound : INFINITY;
+    return parse_bound(option, strstr(option->range, "..") + 2, &bound) ? bound : INFINITY;
 }
 
 bool option_parse(const struct option *option, const char *value, satin_options *options) {
@@ -334,7 +377,7 @@ bool option_parse(const struct option *option, const char *value, satin_options 
         *(bool *)out = word;
         return true;
     }
-    if (!text_double(value, &number)) return false;
+    if (!parse_bound(option, value, &number)) return false;
     if (number < lowest_value(option) || number > option_highest(option)) return false;
     if (option->kind == OPTION_FLOAT) {
         *(float *)out = (float)number;
@@ -377,6 +420,9 @@ void option_print(const struct option *option, const satin_options *options, cha
             break;
         case OPTION_COUNT:
             snprintf(out, bytes, "%" PRId64, *(const int64_t *)in);
+            break;
+        case OPTION_BYTES:
+            print_bytes(*(const int64_t *)in, out, bytes);
             break;
         case OPTION_SEED:
             snprintf(out, bytes, "%" PRIu64, *(const uint64_t *)in);

@@ -14,6 +14,7 @@ enum option_kind {
     OPTION_BOOL,
     OPTION_INT,     // int
     OPTION_COUNT,   // int64_t
+    OPTION_BYTES,   // int64_t, a number of bytes
     OPTION_SEED,    // uint64_t
     OPTION_FLOAT,   // float
     OPTION_DOUBLE,  // double

@@ -30,6 +30,7 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     if (status == SATIN_OK) status = render_views(r);
     r->second_pass.options = r->options;
     render_take_course(r, render_first_course(&r->options));
+    if (status == SATIN_OK) status = render_memory_begin(r);
     if (status == SATIN_OK) status = render_cache_open(r);
     if (status == SATIN_OK) status = start_threads(r);
     if (status == SATIN_OK) status = render_denoiser(r);
@@ -55,7 +56,8 @@ static satin_status make_image_of_paths(struct render *r) {
 static satin_status first_pass(struct render *r) {
     if (!render_steps(r)->photons) return SATIN_OK;
     render_stage_begin(r, STAGE_PHOTONS, (double)(r->options.photons + r->options.caustic_photons));
-    const satin_status status = render_photons(r);
+    satin_status status = render_memory_photons(r);
+    if (status == SATIN_OK) status = render_photons(r);
     const bool paths = r->progress.course == COURSE_PATHS;
     return status == SATIN_OK && paths ? make_image_of_paths(r) : status;
 }
@@ -88,6 +90,7 @@ static satin_status prepare_second_pass(struct render *r) {
     struct render_second_pass *pass = &r->second_pass;
     pass->cache = cache_new(pass->gather.scene, pass->gather.options, pass->tables.order);
     if (!pass->cache) return SATIN_ERROR_MEMORY;
+    render_memory_limit_cache(r, pass->cache, r->second_pass.bounce_count + 1);
     pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
     if (!pass->fill) return SATIN_ERROR_MEMORY;
     return render_shading(r, pass->cache);

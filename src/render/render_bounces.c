@@ -84,6 +84,7 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
     bounce->cache = cache_new(&r->scene, &bounce->options, r->second_pass.tables.order);
     struct fill *fill = bounce->cache ? fill_new(bounce->cache, &bounce->gather, r->pool) : NULL;
     if (!fill) return SATIN_ERROR_MEMORY;
+    render_memory_limit_cache(r, bounce->cache, r->second_pass.bounce_count + 1);
     bounce->shade = (struct shade){
         .g = &bounce->gather,
         .camera = &r->scene.camera,

@@ -293,13 +293,25 @@ satin_status render_film_check(const struct satin_scene *scene, const satin_opti
     return SATIN_OK;
 }
 
-struct satin_film *render_film_new(const struct satin_scene *scene, const satin_options *options) {
-    const char *name[NAMES_MAX];
-    const struct film_spec *spec = &scene->film;
+// Sets the names of the channels that the film has. Returns their number.
+static int wanted_channels(const struct satin_scene *scene, const satin_options *options,
+                           const char *name[NAMES_MAX]) {
     const int count = all_channels(scene, options, name);
     int wanted = 0;
     for (int i = 0; i < count; i++)
         if (is_wanted(options->layers, name[i])) name[wanted++] = name[i];
+    return wanted;
+}
+
+int render_film_channels(const struct satin_scene *scene, const satin_options *options) {
+    const char *name[NAMES_MAX];
+    return wanted_channels(scene, options, name);
+}
+
+struct satin_film *render_film_new(const struct satin_scene *scene, const satin_options *options) {
+    const char *name[NAMES_MAX];
+    const struct film_spec *spec = &scene->film;
+    const int wanted = wanted_channels(scene, options, name);
     struct satin_film *film = film_new(spec->crop_width, spec->crop_height, name, wanted);
     if (!film) return NULL;
     film->x = spec->crop_x;

@@ -10,6 +10,22 @@
 
 #include "base/array.h"
 
+// While the film is made, it grows by what the sums of the pixels shrink.
+double render_image_bytes(const struct satin_scene *scene, const satin_options *options,
+                          const satin_callbacks *callbacks) {
+    const struct scene_aovs *aovs = &scene->hints.aovs;
+    const double pixels = (double)scene->film.crop_width * (double)scene->film.crop_height;
+    double bytes = sizeof(struct image_pixel) + sizeof(struct adaptive_pixel) + 4 * sizeof(float);
+    bytes += (double)aovs->values * (aovs->moment ? 2.0 : 1.0) * sizeof(float);
+    for (int k = 0; k < MATTES; k++)
+        if ((int)options->cryptomatte >> k & 1) bytes += sizeof(struct matte_pixel);
+    if (options->integrator == SATIN_PATH && !options->denoise)
+        bytes += sizeof(struct image_blocks);
+    if (options->denoise) bytes += 5 * sizeof(rgb);
+    if (callbacks->snapshot) bytes += 1.0 + sizeof(float) * render_film_channels(scene, options);
+    return bytes * pixels;
+}
+
 struct render_image *render_image_new(const struct satin_scene *scene,
                                       const satin_options *options) {
     const struct scene_aovs *aovs = &scene->hints.aovs;

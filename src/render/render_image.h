@@ -159,6 +159,8 @@ satin_status render_rims(struct render *r, bool *whole);
 // Checks that the image has each layer of option layers; else logs one line (render_film.c).
 satin_status render_film_check(const struct satin_scene *scene, const satin_options *options,
                                struct log log);
+// The number of the channels of a film that has all layers of the options (render_film.c).
+int render_film_channels(const struct satin_scene *scene, const satin_options *options);
 // Makes an empty film for an image; NULL if there is no memory (render_film.c).
 struct satin_film *render_film_new(const struct satin_scene *scene, const satin_options *options);
 

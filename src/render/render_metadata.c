@@ -64,6 +64,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.cpu_s", stats_cpu());
     stats_set(&r->stats, "render.threads", parallel_threads(r->pool));
     set_ranks(r);
+    render_memory_end(r);
     stats_set(&r->stats, "memory.peak_bytes", stats_peak_memory());
     stats_set_span(&r->stats, "load", span_without(r->scene.load_span, r->scene.bvh_span));
     stats_set_span(&r->stats, "bvh", r->scene.bvh_span);

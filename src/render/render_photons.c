@@ -125,8 +125,9 @@ satin_status render_photons(struct render *r) {
     const bool too_slow = !render_steps(r)->photons;
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow) return status;
-    const struct render_more_photons more =
+    struct render_more_photons more =
         render_budget_photons(r, render_agreed(r, photon_seconds(&r->stats)), starved(r, first));
+    if (more.global > 1.0) more.global = render_memory_grow(r, more.global);
     return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;
 }
 

@@ -6,6 +6,7 @@
 #include "film/film.h"
 #include "render/render_adaptive_sampling.h"
 #include "render/render_budget.h"
+#include "render/render_memory.h"
 #include "satin/render.h"
 #include "shade/shade.h"
 
@@ -120,6 +121,7 @@ struct render {
     struct log log;
     struct parallel *pool;
     struct stats stats;
+    struct render_memory memory;  // the limit of the options, and estimates
     // Results of the steps.
     struct render_progress progress;
     struct render_first_pass first_pass;
@@ -309,6 +311,9 @@ satin_status render_coarse(struct render *r);
 // Makes what the image and the search for sites need. `cache` may be NULL if the course does not
 // interpolate. SATIN_ERROR_MEMORY.
 satin_status render_shading(struct render *r, const struct cache *cache);
+// The most bytes of an image and its film, with the snapshots of the callbacks.
+double render_image_bytes(const struct satin_scene *scene, const satin_options *options,
+                          const satin_callbacks *callbacks);
 struct render_image *render_image_new(const struct satin_scene *scene,
                                       const satin_options *options);
 void render_image_free(struct render_image *image);

@@ -102,6 +102,13 @@ static void values_are_checked(void **state) {
         {"hide-emitters", "2"},
         {"radiance-order", "15"},
         {"time", "-1"},
+        {"memory", "much"},
+        {"memory", "4X"},
+        {"memory", "-4G"},
+        {"memory", "4GG"},
+        {"memory", "G"},
+        {"memory", "4iB"},
+        {"memory", "2P"},
         {"material-cache", "floor=maybe"},
         {"material-cache", "=on"},
         {"material.floor.cache", "1"},
@@ -128,6 +135,24 @@ static void values_are_checked(void **state) {
     assert_string_equal(o.material_cache, "a.b=off,floor=on");
     assert_int_equal(satin_options_set(&o, "max-depth", "-1", NULL, NULL), SATIN_OK);
     assert_int_equal(o.max_depth, -1);
+}
+
+static void bytes_have_units(void **state) {
+    (void)state;
+    satin_options o = satin_options_default;
+    static const struct {
+        const char *text, *printed;
+        int64_t bytes;
+    } sizes[] = {{"4G", "4G", 4ll << 30},      {"1.5MiB", "1536K", 3ll << 19}, {"700", "700", 700},
+                 {"2kB", "2K", 2ll << 10},     {"0.5T", "512G", 1ll << 39},    {"0", "0", 0},
+                 {"1048576B", "1M", 1ll << 20}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        char text[OPTION_TEXT_SIZE];
+        assert_int_equal(satin_options_set(&o, "memory", sizes[i].text, NULL, NULL), SATIN_OK);
+        assert_true(o.memory == sizes[i].bytes);
+        option_print(options_find("memory"), &o, text, sizeof text);
+        assert_string_equal(text, sizes[i].printed);
+    }
 }
 
 static void messages_suggest_a_correction(void **state) {
@@ -171,14 +196,12 @@ static void renamed_options_are_named(void **state) {
 static void table_covers_the_struct(void **state) {
     (void)state;
     size_t covered = 0;
-    static const size_t size[] = {[OPTION_CHOICE] = sizeof(int),
-                                  [OPTION_BOOL] = sizeof(bool),
-                                  [OPTION_INT] = sizeof(int),
-                                  [OPTION_COUNT] = sizeof(int64_t),
-                                  [OPTION_SEED] = 8,
-                                  [OPTION_FLOAT] = sizeof(float),
-                                  [OPTION_DOUBLE] = sizeof(double),
-                                  [OPTION_TEXT] = OPTION_TEXT_SIZE};
+    static const size_t size[] = {
+        [OPTION_CHOICE] = sizeof(int),    [OPTION_BOOL] = sizeof(bool),
+        [OPTION_INT] = sizeof(int),       [OPTION_COUNT] = sizeof(int64_t),
+        [OPTION_BYTES] = sizeof(int64_t), [OPTION_SEED] = 8,
+        [OPTION_FLOAT] = sizeof(float),   [OPTION_DOUBLE] = sizeof(double),
+        [OPTION_TEXT] = OPTION_TEXT_SIZE};
     size_t end = 0;
     for (int i = 0; i < options_table_count; i++) {
         const struct option *o = &options_table[i];
@@ -229,6 +252,7 @@ int main(void) {
         cmocka_unit_test(presets_fill_zeroed_structs),
         cmocka_unit_test(presets_are_in_range),
         cmocka_unit_test(values_are_checked),
+        cmocka_unit_test(bytes_have_units),
         cmocka_unit_test(messages_suggest_a_correction),
         cmocka_unit_test(renamed_options_are_named),
         cmocka_unit_test(table_covers_the_struct),

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// Estimates of memory, and what follows from them (render_memory.h). tests/cli/memory compares
+// them with the memory that renders take.
+#include "render/render_memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "render/render_image.h"
+
+// Measured: the program with its libraries and small buffers takes 11.5 to 13 MB, and 128 MB more
+// with OpenImageIO, which reads all images but PNG files.
+static const double PROCESS_BYTES = 13e6, MODULE_BYTES = 130e6;
+// Embree's BVH takes up to 86 bytes per triangle, beside the scene's own arrays.
+static const double TRIANGLE_BYTES = 86.0;
+// A thread takes .5 MB, and if it gathers 300 bytes for each ray of the largest hemisphere.
+static const double THREAD_BYTES = 0.6e6, RAY_BYTES = 300.0;
+// The least for photons, records and the BRDF tables, below which a render is refused.
+static const double WORK_LEAST = 24e6;
+// The least number of photon paths, if the options have as many.
+static const double PATHS_LEAST = 1000.0;
+// Adaptive caching has octrees of its own over all records.
+static const double ADAPTIVE_RECORDS = 2.0;
+// The fractions of what is not fixed.
+static const double FOR_THREADS = 0.25, FOR_PHOTONS = 0.65, FOR_PASSES = 0.75;
+
+static bool ends_in_png(const char *path) {
+    const size_t length = strlen(path);
+    return length > 4 && strcmp(path + length - 4, ".png") == 0;
+}
+
+static bool reads_module(const struct satin_scene *scene) {
+    bool module = scene->environment >= 0 && scene->light[scene->environment].image;
+    for (uint32_t i = 0; i < scene->image_count; i++)
+        module = module || !ends_in_png(scene->image[i].path);
+    return module;
+}
+
+static double scene_bytes(const struct satin_scene *scene) {
+    return (double)scene->arena.bytes + TRIANGLE_BYTES * (double)scene->triangle_count +
+           (reads_module(scene) ? MODULE_BYTES : 0.0);
+}
+
+// Adaptive caching compares up to 24 records at a site.
+static const double COMPARED_BYTES = 500.0;
+
+// The sites of a block of pixels or, after it, of adaptive caching, and a batch of records.
+static double site_bytes(const satin_options *o) {
+    const double pixels = (double)o->width * (double)o->height, site = sizeof(struct fill_site);
+    const double traced = 4.0 * fmin(pixels, 8192.0), block = fmin(pixels, 65536.0);
+    const double stride = render_budget_adaptive_stride(o->width, o->height);
+    const double adapted = o->adaptive_cache ? pixels / (stride * stride) : 0.0;
+    const double order = o->radiance_cache ? o->radiance_order : 0.0;
+    return 4.0 * pixels + traced * site +
+           fmax(1.2 * block * site, adapted * (1.2 * site + COMPARED_BYTES)) +
+           fmin(fmax(block / 128.0, 128.0), 1024.0) * order * order * 88.0;
+}
+
+static double rays_of_hemisphere(const satin_options *o) {
+    const double E = o->irradiance_rays * (o->irradiance_noise > 0.0f ? 4.0 : 1.0);
+    const double L =
+        o->radiance_cache ? o->radiance_rays * (o->radiance_noise > 0.0f ? 4.0 : 1.0) : 0.0;
+    return fmax(E, L);
+}
+
+// Prints bytes as the option is written, rounded up to three digits.
+static const char *print_size(double bytes, char out[16]) {
+    int unit = 0;
+    for (; bytes >= 1024.0 && unit < 4; unit++) bytes /= 1024.0;
+    const double step = bytes >= 100.0 ? 1.0 : bytes >= 10.0 ? 0.1 : 0.01;
+    snprintf(out, 16, "%.4g%.*s", ceil(bytes / step) * step, unit > 0, " KMGT" + unit);
+    return out;
+}
+
+satin_status render_memory_begin(struct render *r) {
+    struct render_memory *m = &r->memory;
+    satin_options *o = &r->options;
+    if (o->memory <= 0) return SATIN_OK;
+    const struct render_steps *steps = render_steps(r);
+    m->limit = (double)o->memory;
+    m->fixed = PROCESS_BYTES + scene_bytes(&r->scene) +
+               render_image_bytes(&r->scene, &r->second_pass.options, &r->callbacks);
+    m->thread = THREAD_BYTES + (steps->records ? RAY_BYTES * rays_of_hemisphere(o) : 0.0);
+    if (steps->records && o->guide_visibility) m->visibility = guide_visibility_most(&r->scene);
+    if (steps->records) m->fixed += m->visibility + site_bytes(o);
+    const double work = steps->photons || steps->records ? WORK_LEAST : 0.0;
+    const double least = m->fixed + fmax(m->thread / FOR_THREADS, work);
+    if (least > m->limit) {
+        char limit[16], needed[16];
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "option memory: %s are too few: this scene and an image of %d x %d pixels "
+                        "need %s",
+                        print_size(m->limit, limit), o->width, o->height,
+                        print_size(least, needed));
+    }
+    const double threads = floor(FOR_THREADS * (m->limit - m->fixed) / m->thread);
+    if (threads < parallel_cores(o->threads)) o->threads = (int)threads;
+    return SATIN_OK;
+}
+
+// The bytes of these fractions of the options' photons.
+static double photons_bytes(const struct render *r, double fraction, double global) {
+    satin_options o = r->options;
+    o.photons = (int64_t)ceil((double)o.photons * fraction * global);
+    o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
+    const struct photon_paths paths = render_budget_paths(&o);
+    return photon_memory_bytes(&r->memory.per_path, &paths);
+}
+
+static double record_copies(const struct render *r) {
+    return r->options.adaptive_cache && r->options.time == 0.0 ? ADAPTIVE_RECORDS : 1.0;
+}
+
+static double photons_most(const struct render *r) {
+    const double fraction = render_steps(r)->passes ? FOR_PASSES : FOR_PHOTONS;
+    return fraction * (r->memory.limit - r->memory.fixed);
+}
+
+// The largest fraction of the photons, or factor of those of the global map up to `most`, that
+// fits.
+static double largest_that_fits(const struct render *r, bool all, double most) {
+    double low = 0.0, high = most;
+    for (int i = 0; i < 40; i++) {
+        const double x = 0.5 * (low + high);
+        const double bytes = all ? photons_bytes(r, x, 1.0) : photons_bytes(r, 1.0, x);
+        if (bytes <= photons_most(r))
+            low = x;
+        else
+            high = x;
+    }
+    return low;
+}
+
+static int64_t limited(int64_t count, double fraction) {
+    const double least = fmin((double)count, PATHS_LEAST);
+    return (int64_t)fmax(floor((double)count * fraction), least);
+}
+
+satin_status render_memory_photons(struct render *r) {
+    struct render_memory *m = &r->memory;
+    satin_options *o = &r->options;
+    if (m->limit == 0.0 || !render_steps(r)->photons) return SATIN_OK;
+    const struct photon_request request = {&r->scene, o, render_budget_paths(o)};
+    const satin_status status = photon_memory_measure(&request, r->pool, r->log, &m->per_path);
+    if (status != SATIN_OK) return status;
+    if (photons_bytes(r, 1.0, 1.0) > photons_most(r)) {
+        const double fraction = largest_that_fits(r, true, 1.0);
+        const int64_t photons = o->photons, caustic = o->caustic_photons;
+        o->photons = limited(photons, fraction);
+        o->caustic_photons = limited(caustic, fraction);
+        r->second_pass.options.photons = o->photons;
+        r->second_pass.options.caustic_photons = o->caustic_photons;
+        log_message(r->log, SATIN_LOG_WARNING,
+                    "option memory: %lld of %lld photons and %lld of %lld caustic photons",
+                    (long long)o->photons, (long long)photons, (long long)o->caustic_photons,
+                    (long long)caustic);
+    }
+    m->photons = photons_bytes(r, 1.0, 1.0);
+    return SATIN_OK;
+}
+
+double render_memory_grow(struct render *r, double wanted) {
+    if (r->memory.limit == 0.0) return wanted;
+    const double global = fmin(wanted, fmax(largest_that_fits(r, false, wanted), 1.0));
+    r->memory.photons = fmax(r->memory.photons, photons_bytes(r, 1.0, global));
+    return global;
+}
+
+// What is left of the memory of photons and records when the maps are built.
+static double bytes_left(const struct render *r) {
+    const double kept = stats_get(&r->stats, "photons.bytes") - r->memory.visibility;
+    return (1.0 - FOR_THREADS) * (r->memory.limit - r->memory.fixed) - fmax(kept, 0.0);
+}
+
+void render_memory_limit_cache(const struct render *r, struct cache *cache, int caches) {
+    if (r->memory.limit > 0.0)
+        cache_limit(cache, fmax(bytes_left(r) / record_copies(r) / caches, 1.0));
+}
+
+void render_memory_end(struct render *r) {
+    const struct render_memory *m = &r->memory;
+    if (m->limit == 0.0) return;
+    const struct cache *cache = r->second_pass.cache;
+    const double records = stats_get(&r->stats, "records.bytes");
+    const double kept = fmax(stats_get(&r->stats, "photons.bytes") - m->visibility, 0.0) +
+                        record_copies(r) * records;
+    if (cache && cache_full(cache))
+        log_message(r->log, SATIN_LOG_WARNING,
+                    "option memory: no records beyond %zu; where they are missing, samples gather",
+                    cache_count_all(cache));
+    stats_set(&r->stats, "memory.estimate_bytes",
+              m->fixed + parallel_threads(r->pool) * m->thread + fmax(m->photons, kept));
+}
