@@ -80,10 +80,12 @@ typedef struct satin_tonemap {
     satin_tone_curve curve;
 } satin_tonemap;
 
-// Writes a picture as 8-bit sRGB PNG. `tonemap` may be NULL, which is all zero. Errors are those of
-// satin_film_write_exr, with SATIN_ERROR_ARGUMENT also if the film does not have the three channels
-// or if the exposure is not finite, and SATIN_ERROR_INTERNAL if libpng fails. The other pointers,
-// the threads and the file are as there: thread-safe, complete or not written.
+// Writes a picture as 8-bit sRGB PNG. If the film has a channel A, the picture of its beauty has
+// alpha, by which its colours are divided, as PNG files have them. `tonemap` may be NULL, which is
+// all zero. Errors are those of satin_film_write_exr, with SATIN_ERROR_ARGUMENT also if the film
+// does not have the three channels or if the exposure is not finite, and SATIN_ERROR_INTERNAL if
+// libpng fails. The other pointers, the threads and the file are as there: thread-safe, complete or
+// not written.
 SATIN_API satin_status satin_film_write_png(const satin_film *film, const char *path,
                                             const satin_tonemap *tonemap, satin_log_fn log,
                                             void *log_user);

@@ -34,20 +34,24 @@ static satin_status encode(const char *name, png_image *image, const unsigned ch
     return log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", name, image->message);
 }
 
+static png_uint_32 png_format(int channels) {
+    return channels == 1 ? PNG_FORMAT_GRAY : channels == 4 ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
+}
+
 satin_status film_encode_pixels(const char *name, int width, int height, int channels,
                                 const unsigned char *pixel, struct log log, void **data,
                                 size_t *size) {
-    png_image image = {.width = (png_uint_32)width,
-                       .height = (png_uint_32)height,
-                       .format = channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB};
+    png_image image = {
+        .width = (png_uint_32)width, .height = (png_uint_32)height, .format = png_format(channels)};
     return encode(name, &image, pixel, log, data, size);
 }
 
-satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
-                               struct log log) {
+satin_status film_write_pixels(const char *path, int width, int height, int channels,
+                               const unsigned char *pixel, struct log log) {
     void *file = NULL;
     size_t bytes = 0;
-    satin_status status = film_encode_pixels(path, width, height, 3, pixel, log, &file, &bytes);
+    satin_status status =
+        film_encode_pixels(path, width, height, channels, pixel, log, &file, &bytes);
     if (status == SATIN_OK) status = fileio_write(log, path, file, bytes);
     free(file);
     return status;
@@ -94,8 +98,16 @@ static const float *shown_channel(const struct satin_film *film, const char *lay
     return NULL;
 }
 
-unsigned char *film_picture(const struct satin_film *film, const char *name,
-                            const satin_tonemap *tonemap, struct log log, satin_status *status) {
+// The alpha of the picture, whose channels have been multiplied by it; NULL: it has none.
+static const float *picture_alpha(const struct satin_film *film, const satin_tonemap *tonemap) {
+    return tonemap && tonemap->layer ? NULL : satin_film_channel(film, "A");
+}
+
+// Film_picture, with a fourth channel if `alpha` is not NULL. The colours of a PNG are not
+// multiplied by alpha, and those of a film are.
+static unsigned char *make_picture(const struct satin_film *film, const char *name,
+                                   const satin_tonemap *tonemap, const float *alpha, struct log log,
+                                   satin_status *status) {
     static const satin_tonemap plain = {0};
     const satin_tonemap *map = tonemap ? tonemap : &plain;
     const float *const light[3] = {shown_channel(film, map->layer, 'R'),
@@ -111,8 +123,8 @@ unsigned char *film_picture(const struct satin_film *film, const char *name,
         log_fail(log, *status, "%s: the exposure is not finite", name);
         return NULL;
     }
-    const size_t pixels = (size_t)film->width * (size_t)film->height;
-    unsigned char *pixel = malloc(3 * pixels);
+    const size_t pixels = (size_t)film->width * (size_t)film->height, channels = alpha ? 4 : 3;
+    unsigned char *pixel = malloc(channels * pixels);
     *status = pixel ? SATIN_OK : SATIN_ERROR_MEMORY;
     if (!pixel) {
         log_fail(log, *status, "%s: not enough memory", name);
@@ -120,38 +132,50 @@ unsigned char *film_picture(const struct satin_film *film, const char *name,
     }
     const float factor = (float)(exp2((double)map->exposure) *
                                  (map->auto_exposure ? film_auto_exposure(film, light) : 1.0));
-    for (size_t i = 0; i < pixels; i++)
-        for (int c = 0; c < 3; c++) {
-            const float x = factor * light[c][i];
-            pixel[3 * i + (size_t)c] =
+    for (size_t i = 0; i < pixels; i++) {
+        const bool covered = alpha && alpha[i] > 0.0f;
+        const float multiplied = covered ? fminf(alpha[i], 1.0f) : 1.0f;
+        for (size_t c = 0; c < 3; c++) {
+            const float x = factor * light[c][i] / multiplied;
+            pixel[channels * i + c] =
                 film_encode_srgb(map->curve == SATIN_TONE_FILMIC ? filmic(x) : x);
         }
+        if (alpha) pixel[4 * i + 3] = covered ? (unsigned char)lrintf(255.0f * multiplied) : 0;
+    }
     return pixel;
+}
+
+unsigned char *film_picture(const struct satin_film *film, const char *name,
+                            const satin_tonemap *tonemap, struct log log, satin_status *status) {
+    return make_picture(film, name, tonemap, NULL, log, status);
 }
 
 satin_status satin_film_write_png(const satin_film *film, const char *path,
                                   const satin_tonemap *tonemap, satin_log_fn log_fn,
                                   void *log_user) {
     const struct log log = {log_fn, log_user};
+    const float *alpha = picture_alpha(film, tonemap);
     satin_status status;
-    unsigned char *pixel = film_picture(film, path, tonemap, log, &status);
-    if (pixel) status = film_write_pixels(path, film->width, film->height, pixel, log);
+    unsigned char *pixel = make_picture(film, path, tonemap, alpha, log, &status);
+    if (pixel)
+        status = film_write_pixels(path, film->width, film->height, alpha ? 4 : 3, pixel, log);
     free(pixel);
     return status;
 }
 
 satin_status film_write_preview(const struct satin_film *film, const char *path,
                                 const satin_tonemap *tonemap, struct log log) {
+    const float *alpha = picture_alpha(film, tonemap);
     // On noisy images, libpng's fast settings take .6 of the time for 1.2 to 1.4 of the bytes.
     png_image image = {.width = (png_uint_32)film->width,
                        .height = (png_uint_32)film->height,
-                       .format = PNG_FORMAT_RGB,
+                       .format = png_format(alpha ? 4 : 3),
                        .flags = PNG_IMAGE_FLAG_FAST};
     struct fileio_output out;
     void *file = NULL;
     size_t bytes = 0;
     satin_status status;
-    unsigned char *pixel = film_picture(film, path, tonemap, log, &status);
+    unsigned char *pixel = make_picture(film, path, tonemap, alpha, log, &status);
     if (pixel) status = encode(path, &image, pixel, log, &file, &bytes);
     free(pixel);
     if (status == SATIN_OK) status = fileio_output_open(log, path, FILEIO_SEEK, &out);

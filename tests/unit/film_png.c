@@ -36,6 +36,41 @@ static void pixels_have_the_known_bytes(void **state) {
     unlink("known.png");
 }
 
+// The light of a film is multiplied by its alpha, and that of a PNG is not. Pictures of layers are
+// over black.
+static void alpha_is_straight(void **state) {
+    (void)state;
+    const char *const names[] = {"R", "G", "B", "A", "lamp.R", "lamp.G", "lamp.B"};
+    struct satin_film *film = film_new(4, 1, names, 7);
+    const float alpha[4] = {1.0f, 0.5f, 0.0f, 0.25f};
+    for (int i = 0; i < 4; i++) {
+        for (int c = 0; c < 3; c++)
+            film->channel[c][i] = film->channel[4 + c][i] = 0.18f * alpha[i];
+        film->channel[3][i] = alpha[i];
+    }
+    const satin_tonemap layer = {.layer = "lamp"};
+    const unsigned char green[4] = {118, 118, 0, 118}, opacity[4] = {255, 128, 0, 64};
+    for (int k = 0; k < 3; k++) {
+        const struct log log = {NULL, NULL};
+        const satin_status status =
+            k == 1 ? film_write_preview(film, "alpha.png", NULL, log)
+                   : satin_film_write_png(film, "alpha.png", k ? &layer : NULL, NULL, NULL);
+        assert_int_equal(status, SATIN_OK);
+        png_image image = {.version = PNG_IMAGE_VERSION};
+        assert_true(png_image_begin_read_from_file(&image, "alpha.png"));
+        assert_int_equal(image.format & PNG_FORMAT_FLAG_ALPHA, k < 2 ? PNG_FORMAT_FLAG_ALPHA : 0);
+        image.format = PNG_FORMAT_RGBA;
+        unsigned char pixel[16];
+        assert_true(png_image_finish_read(&image, NULL, pixel, 0, NULL));
+        for (int i = 0; i < 4 && k < 2; i++) {
+            assert_int_equal(pixel[4 * i + 1], green[i]);
+            assert_int_equal(pixel[4 * i + 3], opacity[i]);
+        }
+        unlink("alpha.png");
+    }
+    satin_film_free(film);
+}
+
 // The green bytes of a picture of four pixels.
 static void picture_bytes(const struct satin_film *film, const satin_tonemap *tonemap, int out[4]) {
     assert_int_equal(satin_film_write_png(film, "tone.png", tonemap, NULL, NULL), SATIN_OK);
@@ -90,6 +125,7 @@ static void a_png_needs_the_beauty(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_have_the_known_bytes),
+        cmocka_unit_test(alpha_is_straight),
         cmocka_unit_test(exposure_and_curve_change_the_tones),
         cmocka_unit_test(a_png_needs_the_beauty),
     };
