@@ -120,8 +120,8 @@ struct render_covering {
     float rays;      // fraction of the options' gather rays for records of the coarsest level; from
                      // RENDER_COARSEST on, records of all levels get all
     double records;  // number of records of the last level
-    double full, seconds;  // of all levels: records, each weighted by its fraction of the rays;
-                           // time
+    double full, seconds;  // records, each weighted by its fraction of the rays, and the time for
+                           // them; earlier levels count less
 };
 // The fraction of the options' gather rays for records of the level of this stride.
 float render_budget_rays(const satin_options *options, const struct render_covering *covering,
