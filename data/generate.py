@@ -13,7 +13,7 @@ import sys
 import cases
 import figures
 from parts import (area_light, box, diffuse, element, lathe, number, plugin, real, rectangle, ref,
-                   rgb, scene, sensor, sphere, to_world, translate, tube, value)
+                   rgb, scene, sensor, sphere, to_world, translate, triple, tube, value)
 
 WHITE, RED, GREEN = (0.72, 0.70, 0.66), (0.60, 0.08, 0.06), (0.13, 0.42, 0.12)
 
@@ -119,6 +119,54 @@ def indirect_room():
         box((-0.15, 0.01, -0.75), (0.9, 0.01, 0.9), 0, ref("pale")))
 
 
+def two_rooms():
+    """Rooms of x < 0 and of x > 0, with a doorway between them."""
+    half = 0.06  # of the wall between them
+    walls = []
+    for side, name in ((-1, "wall"), (1, "accent")):
+        walls += [
+            rectangle("+y", (1.8 * side, 0, 0), (1.8, 2), ref("floor")),
+            rectangle("-y", (1.8 * side, 2.6, 0), (1.8, 2), ref("ceiling")),
+            rectangle("+x" if side < 0 else "-x", (3.6 * side, 1.3, 0), (2, 1.3), ref(name)),
+            rectangle("+z", (1.8 * side, 1.3, -2), (1.8, 1.3), ref("wall")),
+            rectangle("-z", (1.8 * side, 1.3, 2), (1.8, 1.3), ref("wall"))]
+    walls += [box((0, 1.3, -1.275), (half, 1.3, 0.725), 0, ref("wall")),
+              box((0, 1.3, 1.175), (half, 1.3, 0.825), 0, ref("wall")),
+              box((0, 2.35, -0.1), (half, 0.25, 0.45), 0, ref("wall"))]
+    gold = plugin("bsdf", "roughconductor", value("string", "material", "Au"),
+                  real("alpha", 0.25), id="gold")
+    return scene(
+        "Two rooms and a doorway. The lamp of the first faces the ceiling, that of the second\n"
+        "     faces a wall: all else is lit indirectly. two-rooms.toml walks through both.",
+        sensor((-3.1, 1.5, 1.5), (-1.2, 1, -1), 70),
+        diffuse("wall", 0.76, 0.73, 0.68), diffuse("ceiling", 0.8, 0.8, 0.8),
+        diffuse("floor", 0.48, 0.38, 0.29), diffuse("accent", 0.3, 0.42, 0.5),
+        diffuse("wood", 0.45, 0.28, 0.16), diffuse("cloth", 0.62, 0.22, 0.16), gold, *walls,
+        box((-1.9, 2.0, 0.2), (0.5, 0.015, 0.4), 0, ref("wood")),
+        rectangle("+y", (-1.9, 2.017, 0.2), (0.47, 0.37), ref("wood"), area_light(9, 8, 7)),
+        *table(-1.5, -1.3, 0.7, (0.6, 0.4)),
+        sphere((-1.4, 0.92, -1.3), 0.22, ref("gold")),
+        box((-3.1, 0.35, -0.4), (0.35, 0.35, 0.9), 0, ref("cloth")),
+        box((3.2, 1.9, -1.2), (0.02, 0.25, 0.4), 0, ref("wood")),
+        rectangle("+x", (3.222, 1.9, -1.2), (0.38, 0.23), ref("wood"), area_light(20, 21, 24)),
+        *table(2.3, 0.9, 0.45, (0.5, 0.5)),
+        box((2.3, 0.6, 0.9), (0.15, 0.15, 0.15), 30, ref("cloth")),
+        box((1.2, 0.4, -1.7), (0.5, 0.4, 0.25), 0, ref("wood")),
+        sphere((1.2, 1.0, -1.7), 0.2, ref("accent")))
+
+
+WALK = """# 60 frames through two-rooms.xml.
+"""
+
+
+def walk():
+    keyframes = [(1, (-3.1, 1.5, 1.5), (-1.2, 1, -1)), (25, (-1.1, 1.5, 0), (1.5, 1.2, -0.6)),
+                 (40, (0.3, 1.5, -0.1), (2.5, 0.9, -0.2)), (60, (2.3, 1.5, -0.9), (2, 0.7, 1))]
+    return WALK + "\n".join(
+        f"[[keyframe]]\nframe = {frame}\norigin = [{triple(origin)}]\n"
+        f"target = [{triple(target)}]\n" for frame, origin, target in keyframes)
+
+
 def sphere_on_floor():
     floor = plugin("bsdf", "ward", value("string", "variant", "ward-duer"), real("alpha_u", 0.15),
                    real("alpha_v", 0.15), rgb("diffuse_reflectance", 0, 0, 0),
@@ -202,12 +250,14 @@ def files():
     """Every file of data/scenes as {path: bytes}."""
     scenes = {"cornell-glossy": cornell_glossy(), "cornell-metal": cornell_metal(),
               "caustic": caustic(), "indirect-room": indirect_room(),
+              "two-rooms": two_rooms(),
               "sphere-on-floor": sphere_on_floor(), "vase": vase(),
               "furnace-sphere-center": furnace_sphere("at", 0),
               "furnace-sphere-off": furnace_sphere("off", 0.5)}
     for percent in (20, 50, 80):
         scenes[f"furnace-box-{percent}"] = furnace_box(percent / 100)
     out = {f"{name}.xml": text.encode() for name, text in scenes.items()}
+    out["two-rooms.toml"] = walk().encode()
     out["meshes/vase.ply"] = vase_mesh()
     out.update(cases.files())
     out.update(figures.files())
