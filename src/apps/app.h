@@ -143,10 +143,12 @@ int app_outputs_check_read(const struct app_output *output, int count,
 
 // ---- Messages and progress (app_progress.c) -----------------------------------------------------
 
-// Messages are not printed from the first call on, until the second one prints the last of them
-// after a prefix with a number, if there was any.
+// Messages are not printed from the first call on, until the second one prints the last error of
+// them after a prefix with a number, if there was any. The third one returns whether an error was
+// printed or can be.
 void app_begin_silence(void);
 void app_end_silence(const char *prefix, int number) __attribute__((format(printf, 1, 0)));
+bool app_has_error(void);
 
 // Prints messages and progress on stderr: a bar on a terminal, else one line per finished stage.
 struct app_progress {

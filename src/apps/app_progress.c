@@ -75,8 +75,8 @@ void app_set_reading(bool scene_is_read) { atomic_store(&reading, scene_is_read)
 
 bool app_interrupted(void) { return atomic_load(&first_signal) != 0; }
 
-// Whether messages are not printed, and the last one that was not.
-static bool is_silent;
+// Whether messages are not printed, the last error that was not, and whether one was.
+static bool is_silent, is_error_printed;
 static char silenced[1024];
 
 void app_begin_silence(void) { is_silent = true; }
@@ -87,8 +87,11 @@ void app_end_silence(const char *prefix, int number) {
     char before[64];
     snprintf(before, sizeof before, prefix, number);
     fprintf(stderr, "%s%s\n", before, silenced);  // in one piece, as others print too
+    is_error_printed = true;
     *silenced = 0;
 }
+
+bool app_has_error(void) { return is_error_printed || *silenced; }
 
 static void erase_bar(struct app_progress *progress) {
     if (!progress || !progress->bar) return;
@@ -97,26 +100,31 @@ static void erase_bar(struct app_progress *progress) {
 }
 
 static void print(struct app_progress *progress, const char *prefix, const char *message) {
-    if (is_silent) {
-        snprintf(silenced, sizeof silenced, "%s", message);
-        return;
-    }
+    if (is_silent) return;
     erase_bar(progress);
     fprintf(stderr, "%s%s\n", prefix, message);
     fflush(stderr);
 }
 
+static void print_error(struct app_progress *progress, const char *prefix, const char *message) {
+    if (is_silent)
+        snprintf(silenced, sizeof silenced, "%s", message);
+    else
+        is_error_printed = true;
+    print(progress, prefix, message);
+}
+
 void app_log_file(void *user, satin_log_severity severity, const char *message) {
     struct app_progress *progress = user;
     if (severity == SATIN_LOG_ERROR)
-        print(progress, "", message);
+        print_error(progress, "", message);
     else if (severity == SATIN_LOG_WARNING && !(progress && progress->quiet))
         print(progress, "satin: warning: ", message);
 }
 
 void app_log(void *user, satin_log_severity severity, const char *message) {
     if (severity == SATIN_LOG_ERROR)
-        print(user, "satin: error: ", message);
+        print_error(user, "satin: error: ", message);
     else
         app_log_file(user, severity, message);
 }

@@ -61,12 +61,26 @@ static void report_problem(const struct app_ranks *ranks) {
 int app_ranks_agree(const struct app_ranks *ranks, int status) {
     const satin_ranks *r = ranks->ranks;
     if (!r) return status;
-    const bool failed = r->any(r->user, status != APP_DONE);
-    int first = status;
-    r->broadcast(r->user, 0, &first, sizeof first);
-    if (!failed || first != APP_DONE) return first;
-    report_problem(ranks);
-    return APP_FAILED;
+    if (!r->any(r->user, status != APP_DONE)) return APP_DONE;
+    int agreed = APP_DONE, rank = 0;
+    for (; rank < r->count && agreed == APP_DONE; rank++) {
+        agreed = status;
+        r->broadcast(r->user, rank, &agreed, sizeof agreed);
+    }
+    if (rank - 1 == r->rank) report_problem(ranks);
+    return agreed;
+}
+
+// If the input is wrong, all ranks have agreed on that, and the first that has found an error
+// reports it.
+static void report_wrong_input(const struct app_ranks *ranks) {
+    const satin_ranks *r = ranks->ranks;
+    bool found = false;
+    for (int rank = 0; rank < r->count && !found; rank++) {
+        found = app_has_error();
+        r->broadcast(r->user, rank, &found, sizeof found);
+        if (found && rank == r->rank) report_problem(ranks);
+    }
 }
 
 void app_ranks_end(const struct app_ranks *ranks, int status) {
@@ -77,5 +91,6 @@ void app_ranks_end(const struct app_ranks *ranks, int status) {
         report_problem(ranks);
         ranks->module->abort(status);
     }
+    if (status == APP_WRONG) report_wrong_input(ranks);
     ranks->module->end();
 }

@@ -28,10 +28,11 @@ struct app_ranks {
 bool app_ranks_begin(struct app_ranks *ranks);
 // Whether this process reports progress and writes files.
 bool app_ranks_first(const struct app_ranks *ranks);
-// All ranks call it with their exit status, one of `app_exit`. Returns the status of the first rank
-// or, if that is APP_DONE, APP_FAILED if one has failed, which reports its error.
+// All ranks call it with their exit status, one of `app_exit`. Returns that of the first rank whose
+// status is not APP_DONE, which reports its error.
 int app_ranks_agree(const struct app_ranks *ranks, int status);
-// Ends the processes. If this one has failed alone, the others are ended too.
+// Ends the processes. If this one has failed alone, the others are ended too. All of them must have
+// agreed on the status APP_WRONG.
 void app_ranks_end(const struct app_ranks *ranks, int status);
 
 #endif

@@ -42,9 +42,12 @@ satin_status render_ranks_status(const struct render *r, satin_status status) {
 satin_status render_ranks_agree(const struct render *r, satin_status status) {
     const satin_ranks *ranks = r->callbacks.ranks;
     if (!ranks || !ranks->any(ranks->user, status != SATIN_OK)) return status;
-    const satin_status first = render_ranks_status(r, status);
-    if (status != SATIN_OK) return status;
-    return first != SATIN_OK ? first : SATIN_ERROR_INTERNAL;
+    satin_status agreed = SATIN_OK;
+    for (int rank = 0; rank < ranks->count && agreed == SATIN_OK; rank++) {
+        agreed = status;
+        ranks->broadcast(ranks->user, rank, &agreed, sizeof agreed);
+    }
+    return agreed;
 }
 
 // ---- The same render on all ranks ---------------------------------------------------------------

@@ -267,8 +267,8 @@ void render_ranks_install(struct render *r);
 double render_agreed(const struct render *r, double value);
 // The status of rank 0 on all ranks.
 satin_status render_ranks_status(const struct render *r, satin_status status);
-// A status that is SATIN_OK only if it is on all ranks. To be called once, by all ranks, when a
-// rank has done all that can fail on it alone.
+// The status of the first rank whose status is not SATIN_OK, if there is one. To be called once, by
+// all ranks, when a rank has done all that can fail on it alone.
 satin_status render_ranks_agree(const struct render *r, satin_status status);
 // To be called by all ranks: SATIN_ERROR_INPUT on all, logged, if they have not all the same scene,
 // options and version, and a checkpoint or none.
