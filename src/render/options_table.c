@@ -214,7 +214,8 @@ const struct option options_table[] = {
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",
      "Adds channels to the image that show the records, for `satin maps`."},
     {"cryptomatte", OPTION_CHOICE, AT(cryptomatte), false, "off|object|material|both",
-     "Adds Cryptomatte layers, by which other programs mask objects (shapes, by their ids) or "
+     "Adds Cryptomatte layers, by which other programs mask objects (shapes and instances, by "
+     "their ids) or "
      "materials (by the ids of their BRDFs), whatever layers there are beside."},
     {"layers", OPTION_TEXT, AT(layers), false, "NAME,...",
      "Layers that the image has beside the beauty, such as direct,albedo; fewer layers take less "

@@ -103,7 +103,7 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
         if (parallel_stopped(pool)) return false;  // it may be incomplete
         bool finite = add_sample(&image->pixel[at], &sample);
         if (finite && image->aov) add_aovs(image, at, &sample);
-        if (finite) render_mattes_add(&image->mattes, at, sample.shape, sample.weight);
+        if (finite) render_mattes_add(&image->mattes, at, &sample);
         if (finite && image->blocks) add_to_block(image, at, sample.beauty);
         if (finite && image->uncached)
             image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);

@@ -56,6 +56,12 @@ static const char *name_of(const struct satin_scene *scene, int matte, uint32_t 
     return matte == 0 ? s->name : scene->material[s->material].name;
 }
 
+// Whether the shape is not an instance without an id, which has the name of its plugin.
+static bool is_object(const struct satin_scene *scene, uint32_t shape) {
+    const struct shape *s = &scene->shape[shape];
+    return s->kind != SHAPE_INSTANCE || strcmp(s->name, "instance") != 0;
+}
+
 // ---- Pixels -------------------------------------------------------------------------------------
 
 void matte_add(struct matte_pixel *pixel, uint32_t id, float weight) {
@@ -106,7 +112,7 @@ bool render_mattes_make(struct render_mattes *mattes, const struct satin_scene *
         mattes->pixel[k] = calloc(pixels, sizeof *mattes->pixel[k]);
         if (!mattes->id[k] || !mattes->pixel[k]) return false;
         for (uint32_t i = 0; i < scene->shape_count; i++)
-            mattes->id[k][i] = matte_id(name_of(scene, k, i));
+            mattes->id[k][i] = is_object(scene, i) ? matte_id(name_of(scene, k, i)) : 0;
     }
     return true;
 }
@@ -119,9 +125,15 @@ void render_mattes_destroy(struct render_mattes *mattes) {
     *mattes = (struct render_mattes){.id = {NULL}};
 }
 
-void render_mattes_add(struct render_mattes *mattes, size_t at, uint32_t shape, float weight) {
-    for (int k = 0; k < MATTES && shape > 0; k++)
-        if (mattes->pixel[k]) matte_add(&mattes->pixel[k][at], mattes->id[k][shape - 1], weight);
+void render_mattes_add(struct render_mattes *mattes, size_t at, const struct shade_sample *sample) {
+    for (int k = 0; k < MATTES && sample->shape > 0; k++) {
+        if (!mattes->pixel[k]) continue;
+        uint32_t id = mattes->id[k][sample->shape - 1];
+        // An instance with an id is an object; else its shapes are.
+        if (k == 0 && sample->instance && mattes->id[k][sample->instance - 1])
+            id = mattes->id[k][sample->instance - 1];
+        matte_add(&mattes->pixel[k][at], id, sample->weight);
+    }
 }
 
 // ---- The description ----------------------------------------------------------------------------
@@ -151,10 +163,12 @@ static char *make_manifest(const struct satin_scene *scene, int matte) {
     const char **name = array_new((size_t)scene->shape_count + 1, sizeof *name);
     FILE *out = name ? open_memstream(&text, &size) : NULL;
     if (out) {
-        for (uint32_t i = 0; i < scene->shape_count; i++) name[i] = name_of(scene, matte, i);
-        qsort(name, scene->shape_count, sizeof *name, compare_names);
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < scene->shape_count; i++)
+            if (is_object(scene, i)) name[count++] = name_of(scene, matte, i);
+        qsort(name, count, sizeof *name, compare_names);
         fputc('{', out);
-        for (uint32_t i = 0; i < scene->shape_count; i++) {
+        for (uint32_t i = 0; i < count; i++) {
             if (i > 0 && strcmp(name[i], name[i - 1]) == 0) continue;
             if (i > 0) fputc(',', out);
             print_manifest_name(out, name[i]);

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "satin/options.h"
+#include "shade/shade.h"
 
 struct satin_film;
 struct satin_scene;
@@ -44,8 +45,8 @@ void matte_ranks(const struct matte_pixel *pixel, float scale, float out[MATTE_C
 bool render_mattes_make(struct render_mattes *mattes, const struct satin_scene *scene,
                         const satin_options *options);
 void render_mattes_destroy(struct render_mattes *mattes);  // a zeroed one is allowed
-// Adds a sample of pixel `at` that shows a shape, counted from 1; 0: none.
-void render_mattes_add(struct render_mattes *mattes, size_t at, uint32_t shape, float weight);
+// Adds a sample of pixel `at`.
+void render_mattes_add(struct render_mattes *mattes, size_t at, const struct shade_sample *sample);
 // Sets the attributes of the film by which a reader finds the mattes and the names of ids. False if
 // there is no memory.
 bool render_mattes_describe(const struct satin_scene *scene, const satin_options *options,

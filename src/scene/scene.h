@@ -355,8 +355,8 @@ struct interaction {
     float t;
     float uv_rate;    // change of uv per length if the material is `filtered`, else 0
     float footprint;  // width of the area that the ray stands for, for textures; 0: a point
-    uint32_t shape, prim, material;
-    int32_t light;  // area light of the shape, or -1
+    uint32_t shape, prim, material, instance;  // instance: that shows it, counted from 1; 0: none
+    int32_t light;                             // area light of the shape, or -1
 };
 
 // Builds the Embree scene of scene->shape and sets bounds, radius and triangle_count.

@@ -176,6 +176,7 @@ static void interaction_of(const struct satin_scene *scene, const struct accel *
     else if (shape->kind != SHAPE_MESH)
         out->uv_rate = 1.0f / sqrtf(fmaxf(v3_len(v3_cross(out->dp_du, out->dp_dv)), 1e-20f));
     out->shape = index;
+    out->instance = 0;
     out->prim = quadric ? 0 : hit->hit.primID;
     out->material = shape->material;
     out->light = shape->light;
@@ -193,12 +194,14 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
     if (hit.hit.instID[0] == RTC_INVALID_GEOMETRY_ID) {
         interaction_of(scene, &trace->top, &hit, ray, 0.0f, out);
     } else {
-        const struct shape *shape = &scene->shape[trace->top.geometry_shape[hit.hit.instID[0]]];
+        const uint32_t instance = trace->top.geometry_shape[hit.hit.instID[0]];
+        const struct shape *shape = &scene->shape[instance];
         struct ray local = instance_ray(shape, ray);
         float margin = instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
         interaction_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
         bool tangent = scene->material[out->material].tangent;
         instance_to_world(shape, tangent, tangent || scene->hints.aovs.partials, out);
+        out->instance = instance + 1;
     }
     out->t = hit.ray.tfar;
     out->footprint = 0.0f;

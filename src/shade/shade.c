@@ -43,6 +43,7 @@ static void surface_channels(const struct shade *shade, const struct shading_poi
     out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
     out->depth = p->interaction.t;
     out->shape = p->interaction.shape + 1;
+    out->instance = p->interaction.instance;
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);
 }
 

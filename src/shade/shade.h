@@ -31,6 +31,7 @@ struct shade_sample {
     float record;             // 1: a record is within a pixel; only with record_maps
     float light_variance;     // variance of the luminance of direct light by one light sample
     uint32_t shape;           // index of the first surface's shape, counted from 1; 0: none
+    uint32_t instance;        // of the instance that shows it, likewise
     float weight;             // weight of the sample in the film's filter
     float aov[AOV_VALUES];    // values that the scene's AOVs need, 0 if there is no surface
 };
