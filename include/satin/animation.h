@@ -24,7 +24,7 @@ typedef struct satin_view {
 // Takes the image of frame `number` [the number that the caller gave it]. The film is owned by the
 // render and valid during the call; it is the whole image, never one that was cancelled. Called on
 // the thread that called satin_render, in the order of the frames. A status other than SATIN_OK
-// ends the render, which returns it.
+// ends the render, which returns it and logs nothing.
 typedef satin_status (*satin_frame_fn)(void *user, int number, const satin_film *film);
 
 // Sets *complete to whether the caller has the image of frame `number` already, made by the very

@@ -269,7 +269,7 @@ static int check_read(const struct app_render_request *r, const satin_scene *sce
     for (int i = animation->frames.first; i <= animation->frames.last && status == APP_DONE; i++) {
         struct app_render_request frame;
         status = app_frame_begin(r, i, &frame);
-        list_outputs(&frame, output);
+        if (status == APP_DONE) list_outputs(&frame, output);
         if (status == APP_DONE) status = check_files(r, output);
         if (status == APP_DONE) status = app_outputs_check_read(output, OUTPUTS, &scene->read);
         app_frame_end(&frame);

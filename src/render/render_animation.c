@@ -138,6 +138,12 @@ static satin_status find_job(struct render *r) {
     return SATIN_OK;
 }
 
+// A status of the caller's own functions, who reports what has failed there.
+static satin_status callers_status(struct render *r, satin_status status) {
+    if (status != SATIN_OK) r->outcome.error_logged = true;
+    return status;
+}
+
 satin_status render_frames_ask(struct render *r) {
     const satin_animation *a = r->callbacks.animation;
     struct render_frames *f = &r->frames;
@@ -145,7 +151,8 @@ satin_status render_frames_ask(struct render *r) {
     satin_status status = find_job(r);
     for (int i = a->first; i <= a->last && status == SATIN_OK; i++) {
         bool *complete = &f->complete[i - a->number];
-        if (a->complete && render_is_first(r)) status = a->complete(a->user, i, f->job, complete);
+        if (a->complete && render_is_first(r))
+            status = callers_status(r, a->complete(a->user, i, f->job, complete));
         *complete = render_agreed(r, *complete) > 0.0;
         f->wanted += !*complete;
         status = render_ranks_status(r, status);
@@ -185,5 +192,6 @@ bool render_frame_next(struct render *r, satin_status *status) {
 
 satin_status render_frame_done(struct render *r, struct satin_film *film) {
     const satin_animation *a = r->callbacks.animation;
-    return render_ranks_status(r, a->frame(a->user, r->frames.next - 1, film));
+    const satin_status status = a->frame(a->user, r->frames.next - 1, film);
+    return render_ranks_status(r, callers_status(r, status));
 }

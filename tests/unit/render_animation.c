@@ -32,7 +32,7 @@ static satin_status take_image(void *user, int number, const satin_film *film) {
     satin_film_size(film, &width, &height);
     assert_true(width == 8 && height == 6 && satin_film_channel(film, "R"));
     snprintf(a->calls + strlen(a->calls), 8, " %d", number);
-    return number == a->fail_at ? SATIN_ERROR_IO : SATIN_OK;
+    return number == a->fail_at ? SATIN_ERROR_MEMORY : SATIN_OK;
 }
 
 static satin_status find_complete(void *user, int number, const char *job, bool *complete) {
@@ -88,7 +88,8 @@ static void frames_come_in_their_order(void **state) {
     assert_int_equal(animate(&a, NULL, 0, "two-pass"), SATIN_OK);
     assert_string_equal(a.calls, " 5 6 7");
     assert_int_equal(a.frames, 3);
-    assert_int_equal(animate(&failing, NULL, 0, "two-pass"), SATIN_ERROR_IO);
+    assert_int_equal(animate(&failing, NULL, 0, "two-pass"), SATIN_ERROR_MEMORY);
+    assert_string_equal(failing.message, "");  // the function reports it
     assert_string_equal(failing.calls, " 5 6");
     assert_int_equal(animate(&some, NULL, 0, "two-pass"), SATIN_OK);
     assert_string_equal(some.calls, " 5 7");
