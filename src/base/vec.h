@@ -68,7 +68,7 @@ static inline float v3_angle(vec3 a, vec3 b) {
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 static inline bool v3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
-static inline float v3_max_abs(vec3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
+static inline float v3_max_abs(vec3 a) { return maxf(fabsf(a.x), maxf(fabsf(a.y), fabsf(a.z))); }
 // The minimum by coordinate. If b has a NaN, the coordinate of a.
 static inline vec3 v3_min(vec3 a, vec3 b) {
     return v3(minf(b.x, a.x), minf(b.y, a.y), minf(b.z, a.z));
@@ -91,7 +91,7 @@ static inline rgb rgb_mad(rgb a, rgb b, float s) {
 static inline rgb rgb_fma(rgb a, rgb b, rgb c) {
     return rgb_make(a.r + b.r * c.r, a.g + b.g * c.g, a.b + b.b * c.b);
 }
-static inline float rgb_max(rgb a) { return fmaxf(a.r, fmaxf(a.g, a.b)); }
+static inline float rgb_max(rgb a) { return maxf(a.r, maxf(a.g, a.b)); }
 static inline float rgb_mean(rgb a) { return (a.r + a.g + a.b) * (1.0f / 3.0f); }
 static inline float rgb_luminance(rgb a) {
     return LUMINANCE_R * a.r + LUMINANCE_G * a.g + LUMINANCE_B * a.b;

@@ -327,22 +327,26 @@ static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
 }
 
 // The nearest of a few entries that has the orientation of n and is not behind a wall; -1 if there
-// is none. If `scene` is NULL, walls are ignored.
+// is none. If `scene` is NULL, walls are ignored. Nearer ones are tested first, so that few rays
+// are traced.
 static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n,
                          const struct satin_scene *scene) {
     const vec3 p = v3(query[0], query[1], query[2]);
-    int row[RETRY_K], best = -1;
-    float distance2[RETRY_K], least = INFINITY;
+    int row[RETRY_K];
+    float distance2[RETRY_K];
     const int k = r->ends ? RETRY_ENDS : RETRY_K;
     photon_index_nearest(r->index, query, 1, k, r->far2, row, distance2);
-    for (int i = 0; i < k; i++) {
-        if (row[i] < 0 || distance2[i] >= least || !has_orientation(r, row[i], n)) continue;
-        if (scene && photon_entry_position_hidden(&r->position, scene, (size_t)row[i], p, n))
-            continue;
-        best = row[i];
-        least = distance2[i];
+    for (int i = 0; i < k; i++)
+        if (row[i] >= 0 && !has_orientation(r, row[i], n)) row[i] = -1;
+    for (;;) {
+        int best = -1;
+        for (int i = 0; i < k; i++)
+            if (row[i] >= 0 && (best < 0 || distance2[i] < distance2[best])) best = i;
+        if (best < 0) return -1;
+        if (!scene || !photon_entry_position_hidden(&r->position, scene, (size_t)row[best], p, n))
+            return row[best];
+        row[best] = -1;
     }
-    return best;
 }
 
 int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
@@ -384,6 +388,18 @@ static rgb fraction_within(const struct photon_irradiance *r, int row, int segme
     return fraction;
 }
 
+// Lookups before the one of an entry that its data is fetched: these take as long as memory does.
+enum { AHEAD = 8 };
+
+static void prefetch_entry(const struct photon_irradiance *r, int row) {
+    if (row < 0) return;
+    __builtin_prefetch(r->position.row + 6 * (size_t)row);
+    __builtin_prefetch(r->position.clear + row);
+    __builtin_prefetch(r->E + row);
+    __builtin_prefetch(r->radius + row);
+    __builtin_prefetch(r->ring + row);
+}
+
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, int segments, rgb *E,
                             float *radius, int *entry) {
@@ -400,6 +416,7 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, r->far2, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
+            if (i + AHEAD < batch) prefetch_entry(r, row[i + AHEAD]);
             if (row[i] >= 0 &&
                 (!has_orientation(r, row[i], n[j]) ||
                  (ray_to_entry(&r->position, scene, (size_t)row[i], p[j], n[j], &ray) &&
