@@ -6,9 +6,11 @@
 
 enum { RAYS = 1024 };
 
-// What the rays hit, with and without the clip planes.
+// What the rays hit, with and without the clip planes. Where one of them sees something, all is
+// well, and the others are not traced.
 struct camera_look {
-    int seen, there;
+    bool seen;
+    int there;
     float first, last;  // least and largest depth of the hits, measured as for the clip planes
 };
 
@@ -16,12 +18,12 @@ static struct camera_look probe_scene(const struct satin_scene *scene,
                                       const struct camera *camera) {
     const struct film_spec *film = &scene->film;
     struct camera_look out = {.first = INFINITY};
-    for (uint32_t i = 0; i < RAYS; i++) {
+    for (uint32_t i = 0; i < RAYS && !out.seen; i++) {
         const vec2 at = sample_sobol2(i, 0);
         const vec2 pixel = {(float)film->crop_x + at.x * (float)film->crop_width,
                             (float)film->crop_y + at.y * (float)film->crop_height};
         struct ray ray = camera_ray(scene, camera, pixel, (vec2){0.5f, 0.5f}, NULL);
-        if (scene_occluded(scene, &ray)) out.seen++;
+        out.seen = scene_occluded(scene, &ray);
         // Depth per distance along the ray, and depth of the ray's origin.
         float rate = camera->near_clip / ray.tnear, start = 0.0f;
         if (camera->orthographic) {
@@ -64,7 +66,7 @@ bool camera_check(const struct satin_scene *scene, const struct camera *camera, 
     const bool warned = check_shapes(scene, log);
     if (scene->shape_count == 0) return warned;
     const struct camera_look l = probe_scene(scene, camera);
-    if (l.seen > 0) return warned;
+    if (l.seen) return warned;
     if (l.there > 0 && l.first >= camera->far_clip)
         log_message(log, SATIN_LOG_WARNING,
                     "far_clip %g lies before the scene, which begins at %g: no shape is seen",
