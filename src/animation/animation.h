@@ -28,10 +28,12 @@ void animation_path_free(struct animation_path *path);
 // The value at x of a curve through `count` points (at[i], value[i]), where `at` ascends and x is
 // within it. Between two points it stays between their values; its slope is continuous.
 double animation_value(size_t count, const double *at, const double *value, double x);
+// The knots of the curve of animation_point, of which there are `count` too.
+void animation_knots(size_t count, const double (*point)[3], double *knot);
 // The point at x of a curve through point[i] at at[i]: a centripetal Catmull-Rom spline. It and its
-// velocity are continuous, and it rests between two equal points. `knot` is of length `count`, for
-// use by the function.
-void animation_point(size_t count, const double *at, const double (*point)[3], double x,
-                     double *knot, double out[3]);
+// velocity are continuous, and it rests between two equal points. The time grows with the logarithm
+// of `count`.
+void animation_point(size_t count, const double *at, const double (*point)[3], const double *knot,
+                     double x, double out[3]);
 
 #endif

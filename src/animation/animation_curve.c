@@ -17,8 +17,14 @@ static double hermite(double y0, double m0, double y1, double m1, double u) {
 
 // The index i of the segment [at[i], at[i + 1]] that has x.
 static size_t find_segment(size_t count, const double *at, double x) {
-    size_t i = 0;
-    while (i + 2 < count && x >= at[i + 1]) i++;
+    size_t i = 0, end = count - 1;
+    while (i + 1 < end) {
+        const size_t middle = (i + end) / 2;
+        if (x >= at[middle])
+            i = middle;
+        else
+            end = middle;
+    }
     return i;
 }
 
@@ -62,11 +68,14 @@ static double spline_slope(size_t count, const double *knot, const double (*poin
     return (d0 * h1 + d1 * h0) / (h0 + h1);
 }
 
-void animation_point(size_t count, const double *at, const double (*point)[3], double x,
-                     double *knot, double out[3]) {
+void animation_knots(size_t count, const double (*point)[3], double *knot) {
     knot[0] = 0.0;
     for (size_t i = 1; i < count; i++)
         knot[i] = knot[i - 1] + sqrt(point_distance(point[i - 1], point[i]));
+}
+
+void animation_point(size_t count, const double *at, const double (*point)[3], const double *knot,
+                     double x, double out[3]) {
     const size_t i = count > 1 ? find_segment(count, at, x) : 0;
     const double h = count > 1 ? knot[i + 1] - knot[i] : 0.0;
     for (int axis = 0; axis < 3; axis++) {

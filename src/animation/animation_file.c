@@ -28,6 +28,7 @@ struct path_keys {
     double (*origin)[3], (*target)[3];
     double *up[3];  // by coordinate
     double *fov;    // 0: none has one
+    double *origin_knot, *target_knot;
     struct log_place *place;
 };
 
@@ -127,9 +128,11 @@ static bool allocate_keys(struct path_keys *keys, size_t count) {
     keys->target = array_new(count, sizeof *keys->target);
     for (int k = 0; k < 3; k++) keys->up[k] = array_new(count, sizeof *keys->up[k]);
     keys->fov = array_new(count, sizeof *keys->fov);
+    keys->origin_knot = array_new(count, sizeof *keys->origin_knot);
+    keys->target_knot = array_new(count, sizeof *keys->target_knot);
     keys->place = array_new(count, sizeof *keys->place);
     return keys->at && keys->origin && keys->target && keys->up[0] && keys->up[1] && keys->up[2] &&
-           keys->fov && keys->place;
+           keys->fov && keys->origin_knot && keys->target_knot && keys->place;
 }
 
 static void free_keys(struct path_keys *keys) {
@@ -138,6 +141,8 @@ static void free_keys(struct path_keys *keys) {
     free(keys->target);
     for (int k = 0; k < 3; k++) free(keys->up[k]);
     free(keys->fov);
+    free(keys->origin_knot);
+    free(keys->target_knot);
     free(keys->place);
 }
 
@@ -184,18 +189,19 @@ static vec3 vector_of(const double v[3]) { return v3((float)v[0], (float)v[1], (
 static bool make_views(struct path_reader *r) {
     const struct path_keys *keys = &r->keys;
     struct animation_path *out = r->out;
-    double *knot = array_new(keys->count, sizeof *knot);
     out->number = (int)keys->at[0];
     out->count = (int)(keys->at[keys->count - 1] - keys->at[0]) + 1;
     out->view = array_new((size_t)out->count, sizeof *out->view);
-    bool ok = (knot && out->view) || path_no_memory(r);
+    bool ok = out->view || path_no_memory(r);
+    animation_knots(keys->count, keys->origin, keys->origin_knot);
+    animation_knots(keys->count, keys->target, keys->target_knot);
     size_t key = 0;  // the last keyframe up to the frame
     for (int i = 0; i < out->count && ok; i++) {
         const double at = out->number + i;
         satin_view *view = &out->view[i];
         while (key + 1 < keys->count && keys->at[key + 1] <= at) key++;
-        animation_point(keys->count, keys->at, keys->origin, at, knot, view->origin);
-        animation_point(keys->count, keys->at, keys->target, at, knot, view->target);
+        animation_point(keys->count, keys->at, keys->origin, keys->origin_knot, at, view->origin);
+        animation_point(keys->count, keys->at, keys->target, keys->target_knot, at, view->target);
         for (int k = 0; k < 3; k++)
             view->up[k] = animation_value(keys->count, keys->at, keys->up[k], at);
         view->fov = animation_value(keys->count, keys->at, keys->fov, at);
@@ -209,7 +215,6 @@ static bool make_views(struct path_reader *r) {
                      "frame %.0f has no view: origin and target coincide, or up is along the view",
                      at);
     }
-    free(knot);
     return ok;
 }
 

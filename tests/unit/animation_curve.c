@@ -49,7 +49,8 @@ static const double POINTS[KEYS][3] = {{0, 0, 0}, {1, 2, 0}, {8, 2, 1},
 static int curve_axis;
 static double curve_coordinate(double x) {
     double knot[KEYS], out[3];
-    animation_point(KEYS, AT, POINTS, x, knot, out);
+    animation_knots(KEYS, POINTS, knot);
+    animation_point(KEYS, AT, POINTS, knot, x, out);
     return out[curve_axis];
 }
 
@@ -72,12 +73,14 @@ static void equal_steps_on_a_line_have_equal_speed(void **state) {
     const double point[4][3] = {{0, 1, 2}, {1, 1, 4}, {2, 1, 6}, {3, 1, 8}};
     for (double x = 0; x <= 30; x += 0.5) {
         double knot[4], out[3];
-        animation_point(4, at, point, x, knot, out);
+        animation_knots(4, point, knot);
+        animation_point(4, at, point, knot, x, out);
         assert_true(fabs(out[0] - x / 10) < 1e-12 && fabs(out[1] - 1) < 1e-12);
         assert_true(fabs(out[2] - 2 - x / 5) < 1e-12);
     }
     double knot[1], out[3];
-    animation_point(1, at, point, 0, knot, out);
+    animation_knots(1, point, knot);
+    animation_point(1, at, point, knot, 0, out);
     assert_true(out[2] == 2.0);
 }
 
