@@ -46,6 +46,49 @@ void app_frame_end(struct app_render_request *frame) {
     free((char *)frame->stats);
 }
 
+// ---- Names that frames have in common
+// ------------------------------------------------------------
+
+static const char *frame_file_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+// Sets *number to that of a frame, of those from `first` to `last`, whose file by this pattern is
+// the file `path`. False if there is none, or not enough memory.
+static bool find_frame_of(const char *path, const char *pattern, int first, int last, int *number) {
+    int digits;
+    const char *run = find_number(pattern, &digits), *after = run ? run + digits : NULL;
+    bool found = false;
+    if (!run || !app_ends_in(path, after)) return false;
+    // The digits of the number end here, and those before them may belong to the pattern.
+    const char *end = path + strlen(path) - strlen(after), *at = end;
+    while (at > path && at[-1] >= '0' && at[-1] <= '9' && !found) {
+        const long value = strtol(--at, NULL, 10);
+        if (end - at < digits || value < first || value > last) continue;
+        *number = (int)value;
+        char *other = frame_name(pattern, *number);
+        found = other && strcmp(frame_file_name(other), frame_file_name(path)) == 0 &&
+                fileio_same(other, path);
+        free(other);
+    }
+    return found;
+}
+
+int app_frame_check_names(const struct app_render_request *r, int number,
+                          const struct app_render_request *frame, int first, int last) {
+    const char *const own[] = {frame->output, frame->png, frame->stats};
+    const char *const pattern[] = {r->output, r->png, r->stats};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < i; j++) {
+            int other;
+            if (own[i] && pattern[j] && find_frame_of(own[i], pattern[j], first, last, &other))
+                return app_wrong("%s: %s of frame %d and %s of frame %d have the same file", own[i],
+                                 pattern[j], other, pattern[i], number);
+        }
+    return APP_DONE;
+}
+
 // ---- Complete frames ----------------------------------------------------------------------------
 
 static bool has_file(const char *name) { return !name || access(name, F_OK) == 0; }

@@ -25,6 +25,10 @@ void app_animation_free(struct app_animation *animation);
 // Reports lack of memory and returns APP_FAILED.
 int app_frame_begin(const struct app_render_request *r, int number, struct app_render_request *out);
 void app_frame_end(struct app_render_request *frame);
+// Checks that no file of frame `number`, whose outputs `frame` has, is another output of one of the
+// frames from `first` to `last`. Reports it and returns APP_WRONG.
+int app_frame_check_names(const struct app_render_request *r, int number,
+                          const struct app_render_request *frame, int first, int last);
 // Sets *complete to whether all files of a frame exist, made by this job. SATIN_ERROR_INPUT,
 // logged, if its image is of another one or cannot be read.
 satin_status app_frame_complete(const struct app_render_request *frame, const char *job,

@@ -76,11 +76,9 @@ static int check_files(const struct app_render_request *r,
     return app_outputs_check(output, OUTPUTS, input);
 }
 
-// Names the outputs and checks them. Those of an animation's frames are checked when the scene is
+// Checks the outputs. Those of an animation's frames are checked when the scene is
 // there, which may decide how many there are.
-static int check_outputs(struct app_render_request *r) {
-    const int named = name_outputs(r);
-    if (named != APP_DONE) return named;
+static int check_outputs(const struct app_render_request *r) {
     if (!app_ranks_first(r->ranks)) return APP_DONE;
     struct app_output output[OUTPUTS];
     list_outputs(r, output);
@@ -272,6 +270,9 @@ static int check_read(const struct app_render_request *r, const satin_scene *sce
         if (status == APP_DONE) list_outputs(&frame, output);
         if (status == APP_DONE) status = check_files(r, output);
         if (status == APP_DONE) status = app_outputs_check_read(output, OUTPUTS, &scene->read);
+        if (status == APP_DONE)
+            status = app_frame_check_names(r, i, &frame, animation->frames.first,
+                                           animation->frames.last);
         app_frame_end(&frame);
     }
     return status;
@@ -298,8 +299,10 @@ static int load_and_render(struct app_render_request *r) {
     satin_scene *scene = NULL;
     double start = stats_wall();
     app_progress_start(&progress, r->quiet || !app_ranks_first(r->ranks));
-    struct app_animation animation;
-    int result = app_ranks_agree(r->ranks, app_animation_read(r, &animation));
+    struct app_animation animation = {.path = {.count = 0}};
+    int result = name_outputs(r);
+    if (result == APP_DONE) result = app_animation_read(r, &animation);
+    result = app_ranks_agree(r->ranks, result);
     if (result == APP_DONE) result = app_ranks_agree(r->ranks, check_outputs(r));
     if (result == APP_DONE)
         result = app_ranks_agree(r->ranks, load_checked(r, &animation, &progress, &scene));
