@@ -121,6 +121,12 @@ float render_image_scale(const struct image_pixel *pixel) {
     return pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
 }
 
+// The fraction of a pixel that samples of this weight cover. Under a filter with negative lobes the
+// weights of all samples may add up to almost nothing or less, and still an opaque pixel is opaque.
+static float fraction_covered(const struct image_pixel *pixel, float weight) {
+    return pixel->weight != 0.0f ? fminf(fmaxf(weight / pixel->weight, 0.0f), 1.0f) : 0.0f;
+}
+
 // The mean of the samples and, at rims, of the additional rays.
 static rgb mean_emission(const struct image_pixel *pixel) {
     const rgb sum = rgb_add(pixel->layer[SHADE_EMISSION], pixel->rim);
@@ -146,8 +152,7 @@ static void put_pixel(const struct film_planes *planes, size_t at, const struct 
         put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
     put_rgb(planes, CHANNEL_LAYERS + 3 * SHADE_EMISSION, at, emission, 1.0f);
     put(planes, CHANNEL_DEPTH, at, pixel->depth * scale);
-    // The weights of a filter with negative lobes may add up to less or more than all of a pixel.
-    put(planes, CHANNEL_ALPHA, at, fminf(fmaxf(pixel->alpha * scale, 0.0f), 1.0f));
+    put(planes, CHANNEL_ALPHA, at, fraction_covered(pixel, pixel->alpha));
     if (pixel->samples)
         put(planes, CHANNEL_DENSITY, at, (float)pixel->used.count / (float)pixel->samples);
 }
@@ -181,7 +186,8 @@ static void put_variance(const struct render_image *image, const struct film_pla
 
 static void put_mattes(const struct render_image *image, const struct film_planes *planes,
                        size_t at, const struct image_pixel *pixel) {
-    const float scale = render_image_scale(pixel);
+    const float scale =
+        pixel->weight != 0.0f ? 1.0f / pixel->weight : 0.0f;  // see fraction_covered
     for (int k = 0; k < MATTES; k++) {
         float value[MATTE_CHANNELS];
         const int last = CHANNEL_MATTES + (k + 1) * MATTE_CHANNELS - 1;

@@ -121,6 +121,30 @@ static void a_pixel_is_the_mean_by_weight(void **state) {
 }
 
 // Emission is the mean of samples and further rays; the other light that of the samples.
+// As by a filter with negative lobes.
+static void an_opaque_pixel_is_opaque_whatever_its_weight(void **state) {
+    (void)state;
+    static const float WEIGHT[] = {1.5f, 1e-6f, -0.3f};
+    for (size_t i = 0; i < sizeof WEIGHT / sizeof *WEIGHT; i++) {
+        struct render r = {.options = satin_options_default};
+        r.scene.film.alpha = true;
+        r.scene.film.crop_width = r.scene.film.crop_height = 2;
+        r.pool = parallel_new(1);
+        r.image = render_image_new(&r.scene, &r.options);
+        assert_true(r.pool && r.image);
+        struct image_pixel *opaque = &r.image->pixel[0], *half = &r.image->pixel[1];
+        fill_pixel(opaque, 1.0f);
+        fill_pixel(half, 1.0f);
+        opaque->alpha = opaque->weight = half->weight = WEIGHT[i];
+        half->alpha = 0.5f * WEIGHT[i];
+        render_film_make_film(&r, true);
+        const float *alpha = film_channel(r.image->film, "A");
+        assert_non_null(alpha);
+        assert_true(alpha[0] == 1.0f && alpha[1] == 0.5f);
+        render_film_stop(&r);
+    }
+}
+
 static void rays_at_rims_count_for_emission_alone(void **state) {
     (void)state;
     struct render r = render_film_make(SATIN_TWO_PASS);
@@ -171,6 +195,7 @@ int main(void) {
         cmocka_unit_test(integrators_have_what_they_compute),
         cmocka_unit_test(options_and_scenes_add_channels),
         cmocka_unit_test(a_pixel_is_the_mean_by_weight),
+        cmocka_unit_test(an_opaque_pixel_is_opaque_whatever_its_weight),
         cmocka_unit_test(rays_at_rims_count_for_emission_alone),
         cmocka_unit_test(pixels_without_samples_show_a_neighbour),
     };
