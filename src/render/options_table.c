@@ -303,7 +303,7 @@ static bool parse_bytes(const char *value, double *out) {
     }
     if (known && strncmp(unit, "iB", 2) == 0) unit++;
     if (*unit == 'B') unit++;
-    *out = floor(*out);
+    *out = ceil(*out);  // a fraction of a byte is not 0, which is no limit
     return *unit == 0;
 }
 

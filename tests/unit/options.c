@@ -143,9 +143,10 @@ static void bytes_have_units(void **state) {
     static const struct {
         const char *text, *printed;
         int64_t bytes;
-    } sizes[] = {{"4G", "4G", 4ll << 30},      {"1.5MiB", "1536K", 3ll << 19}, {"700", "700", 700},
-                 {"2kB", "2K", 2ll << 10},     {"0.5T", "512G", 1ll << 39},    {"0", "0", 0},
-                 {"1048576B", "1M", 1ll << 20}};
+    } sizes[] = {{"4G", "4G", 4ll << 30},       {"1.5MiB", "1536K", 3ll << 19},
+                 {"700", "700", 700},           {"2kB", "2K", 2ll << 10},
+                 {"0.5T", "512G", 1ll << 39},   {"0", "0", 0},
+                 {"1048576B", "1M", 1ll << 20}, {"0.0001", "1", 1}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         char text[OPTION_TEXT_SIZE];
         assert_int_equal(satin_options_set(&o, "memory", sizes[i].text, NULL, NULL), SATIN_OK);
