@@ -78,21 +78,10 @@ def print_table(found):
 
 
 def main():
-    p = runs.parser(__doc__)
-    p.add_argument("scene", nargs="*", default=SCENES)
-    p.add_argument("--quality", default="production")
-    p.add_argument("--size", default="400x400", help="WIDTHxHEIGHT")
-    p.add_argument("--repeats", type=int, default=2)
-    options = p.parse_args()
-    os.makedirs(options.dir, exist_ok=True)
     # In a container all are root; Open MPI wants that said.
     os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-    width, height = options.size.split("x")
-    for name in options.scene:
-        scene = name if name.endswith(".xml") else runs.scene_file(name)
-        print(f"{name}, {options.quality}, {options.size}\n", flush=True)
-        print_table(measure(options, scene, ["--quality", options.quality, "--width", width,
-                                             "--height", height]))
+    runs.measure_all(__doc__, SCENES, "production", 2,
+                     lambda *render: print_table(measure(*render)))
 
 
 if __name__ == "__main__":

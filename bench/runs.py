@@ -29,6 +29,23 @@ def parser(description, what=()):
     return p
 
 
+def measure_all(doc, scenes, quality, repeats, measure):
+    """Calls measure(options, scene, arguments of the render) for each scene and quality."""
+    p = parser(doc)
+    p.add_argument("scene", nargs="*", default=scenes)
+    p.add_argument("--quality", default=quality)
+    p.add_argument("--size", default="400x400", help="WIDTHxHEIGHT")
+    p.add_argument("--repeats", type=int, default=repeats)
+    options = p.parse_args()
+    os.makedirs(options.dir, exist_ok=True)
+    width, height = options.size.split("x")
+    for name in options.scene:
+        scene = name if name.endswith(".xml") else scene_file(name)
+        for each in options.quality.split(","):
+            print(f"{name}, {each}, {options.size}\n", flush=True)
+            measure(options, scene, ["--quality", each, "--width", width, "--height", height])
+
+
 def run(args, env=None):
     done = subprocess.run(args, stdout=subprocess.PIPE, text=True, check=False, env=env)
     if done.returncode:

@@ -77,19 +77,8 @@ def print_model(found):
 
 
 def main():
-    p = runs.parser(__doc__)
-    p.add_argument("scene", nargs="*", default=SCENES)
-    p.add_argument("--quality", default="preview,production")
-    p.add_argument("--size", default="400x400", help="WIDTHxHEIGHT")
-    p.add_argument("--repeats", type=int, default=3)
-    options = p.parse_args()
-    width, height = options.size.split("x")
-    for name in options.scene:
-        scene = name if name.endswith(".xml") else runs.scene_file(name)
-        for quality in options.quality.split(","):
-            print(f"{name}, {quality}, {options.size}\n", flush=True)
-            print_model(measure(options, scene, ["--quality", quality, "--width", width,
-                                                 "--height", height]))
+    runs.measure_all(__doc__, SCENES, "preview,production", 3,
+                     lambda *render: print_model(measure(*render)))
 
 
 if __name__ == "__main__":

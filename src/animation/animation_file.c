@@ -62,20 +62,11 @@ static bool path_no_memory(struct path_reader *r) {
 
 static bool check_keys(struct path_reader *r, const struct toml_node *table,
                        const char *const *known) {
-    for (size_t i = 0; i < table->count; i++) {
-        const struct toml_node *child = &table->child[i];
-        struct text_nearest search = {.word = child->key};
-        bool found = false;
-        for (const char *const *k = known; *k && !found; k++) {
-            found = strcmp(*k, child->key) == 0;
-            text_nearest_try(&search, *k);
-        }
-        if (found) continue;
-        if (search.best)
-            return path_wrong(r, child, "unknown key (did you mean '%s'?)", search.best);
-        return path_wrong(r, child, "unknown key");
-    }
-    return true;
+    const char *meant;
+    const struct toml_node *unknown = toml_find_unknown(table, known, &meant);
+    if (!unknown) return true;
+    if (meant) return path_wrong(r, unknown, "unknown key (did you mean '%s'?)", meant);
+    return path_wrong(r, unknown, "unknown key");
 }
 
 // The number of a frame.

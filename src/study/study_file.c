@@ -48,27 +48,16 @@ bool study_is(struct study_reader *r, const struct toml_node *node, enum toml_ki
 
 bool study_keys_known(struct study_reader *r, const struct toml_node *table,
                       const char *const *known) {
-    for (size_t i = 0; i < table->count; i++) {
-        const struct toml_node *child = &table->child[i];
-        struct text_nearest search = {.word = child->key};
-        bool found = false;
-        for (const char *const *k = known; *k && !found; k++) {
-            found = strcmp(*k, child->key) == 0;
-            text_nearest_try(&search, *k);
-        }
-        satin_option_info info;
-        bool option = false;
-        for (int k = 0; !option && satin_options_describe(&satin_options_default, k, &info); k++)
-            option = text_same_name(info.name, child->key);
-        if (found) continue;
-        if (option)
-            return study_wrong(r, child,
+    const char *meant;
+    const struct toml_node *unknown = toml_find_unknown(table, known, &meant);
+    if (!unknown) return true;
+    satin_option_info info;
+    for (int k = 0; satin_options_describe(&satin_options_default, k, &info); k++)
+        if (text_same_name(info.name, unknown->key))
+            return study_wrong(r, unknown,
                                "unknown key; options of renders stand in [set] or [vary]");
-        if (search.best)
-            return study_wrong(r, child, "unknown key (did you mean '%s'?)", search.best);
-        return study_wrong(r, child, "unknown key");
-    }
-    return true;
+    if (meant) return study_wrong(r, unknown, "unknown key (did you mean '%s'?)", meant);
+    return study_wrong(r, unknown, "unknown key");
 }
 
 // ---- Options ------------------------------------------------------------------------------------

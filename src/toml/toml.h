@@ -32,5 +32,9 @@ void toml_free(struct toml_node *root);  // NULL is allowed
 
 // The child of a table with that key, or NULL.
 const struct toml_node *toml_find(const struct toml_node *table, const char *key);
+// The first child of a table whose key is none of `known`, which ends with NULL; NULL: there is
+// none. *meant is set to the known key of which it may be a slip, or NULL.
+const struct toml_node *toml_find_unknown(const struct toml_node *table, const char *const *known,
+                                          const char **meant);
 
 #endif
