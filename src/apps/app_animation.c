@@ -46,8 +46,7 @@ void app_frame_end(struct app_render_request *frame) {
     free((char *)frame->stats);
 }
 
-// ---- Names that frames have in common
-// ------------------------------------------------------------
+// ---- Files of two frames ------------------------------------------------------------------------
 
 static const char *frame_file_name(const char *path) {
     const char *slash = strrchr(path, '/');
