@@ -53,9 +53,9 @@ static void project_light(const float *value, float out[BASES][N2]) {
 
 // Gathers at the surface that the eye sees at (u, v) of the film; false if there is none.
 static bool gather_light(const struct gather *g, float u, float v, struct incident *out) {
-    const struct film_spec *film = &g->scene->film;
+    const struct scene_film *film = &g->scene->film;
     const vec2 at = {u * (float)film->width, v * (float)film->height};
-    struct ray ray = camera_ray(g->scene, &g->scene->camera, at, (vec2){0.5f, 0.5f}, NULL);
+    struct ray ray = scene_camera_ray(g->scene, &g->scene->camera, at, (vec2){0.5f, 0.5f}, NULL);
     struct interaction s;
     if (!scene_intersect(g->scene, &ray, &s) || s.light >= 0) return false;
     const vec3 n = v3_dot(s.ng, ray.d) < 0.0f ? s.ng : v3_neg(s.ng);

@@ -201,7 +201,7 @@ WRAP_VOID(PROJECTION, gather_surroundings_make,
 WRAP(INTERACTION, bool, scene_intersect,
      (const struct satin_scene *scene, const struct ray *ray, struct interaction *out),
      (scene, ray, out))
-WRAP_VOID(INTERACTION, shading_point_make,
+WRAP_VOID(INTERACTION, scene_shading_point_make,
           (const struct satin_scene *scene, const struct interaction *s, vec3 d,
            struct shading_point *out),
           (scene, s, d, out))

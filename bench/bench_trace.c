@@ -69,7 +69,7 @@ static double run_queries(enum query_side side, RTCScene bare, const struct sati
         struct interaction s;
         if (side == BARE_INTERSECT) {
             struct RTCRayHit hit = bare_ray(&ray[i]);
-            embree_intersect(bare, &hit);
+            scene_embree_intersect(bare, &hit);
             *sum += hit.ray.tfar;
         } else if (side == DISTANCE) {
             *sum += scene_distance(scene, &ray[i]);
@@ -77,7 +77,7 @@ static double run_queries(enum query_side side, RTCScene bare, const struct sati
             if (scene_intersect(scene, &ray[i], &s)) *sum += s.p.x + s.frame.u.x;
         } else if (side == BARE_OCCLUDED) {
             struct RTCRayHit hit = bare_ray(&ray[i]);
-            *sum += (float)embree_occluded(bare, &hit.ray);
+            *sum += (float)scene_embree_occluded(bare, &hit.ray);
         } else {
             *sum += (float)scene_occluded(scene, &ray[i]);
         }

@@ -48,7 +48,7 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
         const char *own = first->channel_name[i];
         const bool is_beauty = strlen(own) == 1 && strchr("RGB", own[0]);
         // Ids have no mean.
-        if (!is_beauty && !is_variance(own) && !film_is_matte(own)) name[count++] = own;
+        if (!is_beauty && !is_variance(own) && !film_is_cryptomatte(own)) name[count++] = own;
     }
     a->out = film_new(first->width, first->height, name, count);
     free(name);

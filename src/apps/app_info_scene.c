@@ -16,7 +16,7 @@ static void print_camera(const struct satin_scene *scene) {
                                          [FILTER_CUBIC] = "cubic",
                                          [FILTER_LANCZOS] = "lanczos"};
     const struct camera *c = &scene->camera;
-    const struct film_spec *f = &scene->film;
+    const struct scene_film *f = &scene->film;
     vec3 eye = mat4_point(&c->to_world, v3(0, 0, 0));
     vec3 look = v3_unit(mat4_vector(&c->to_world, v3(0, 0, 1)));
     double degrees = 360.0 / (double)PI_F;
@@ -106,7 +106,7 @@ static void print_glossy(const struct materials *m, const struct material_side *
         printf(", gloss by importance sampling");
         return;
     }
-    struct brdf_table_info info = brdf_range_info(table);
+    struct brdf_table_info info = brdf_range_describe(table);
     printf(", gloss by radiance records (order %d, error below %g, %.3g %% of directions)",
            info.order, (double)m->options->radiance_error, 100.0 * (double)info.fraction);
 }
@@ -160,7 +160,7 @@ static void print_materials(struct materials *m) {
                material->two_sided ? "two-sided" : "one-sided",
                material->front.holes ? " with holes" : "", shapes, triangles);
         m->front = NULL;
-        material_visit(material, print_side, m);
+        scene_material_visit(material, print_side, m);
     }
 }
 

@@ -170,9 +170,9 @@ static satin_status find_frame_files(void *user, int number, const char *job, bo
 }
 
 // Renders, and shows the image meanwhile if that was asked for.
-static satin_status render_live(const struct app_render_request *r, const satin_scene *scene,
-                                const satin_options *options, const satin_animation *animation,
-                                struct app_live *live, satin_film **film) {
+static satin_status run_live(const struct app_render_request *r, const satin_scene *scene,
+                             const satin_options *options, const satin_animation *animation,
+                             struct app_live *live, satin_film **film) {
     const bool first = app_ranks_first(r->ranks), shown = r->preview || r->display.wanted;
     const satin_callbacks callbacks = {.log = app_log,
                                        .log_user = live->progress,
@@ -195,12 +195,11 @@ static satin_status render_live(const struct app_render_request *r, const satin_
 }
 
 // Renders one image, and writes its files.
-static satin_status render_one_image(const struct app_render_request *r, const satin_scene *scene,
-                                     const satin_options *options, struct app_live *live,
-                                     double start) {
+static satin_status run_image(const struct app_render_request *r, const satin_scene *scene,
+                              const satin_options *options, struct app_live *live, double start) {
     const struct log file_log = {app_log_file, live->progress};
     satin_film *film = NULL;
-    satin_status status = render_live(r, scene, options, NULL, live, &film);
+    satin_status status = run_live(r, scene, options, NULL, live, &film);
     if (film && app_ranks_first(r->ranks)) {
         satin_status written = write_outputs(r, film, options->threads, start, file_log);
         if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
@@ -213,16 +212,16 @@ static satin_status render_one_image(const struct app_render_request *r, const s
 }
 
 // Renders the frames of an animation, each of which is written when it is complete.
-static satin_status render_animation(const struct app_render_request *r, const satin_scene *scene,
-                                     const satin_options *options, satin_animation frames,
-                                     struct app_live *live, double start) {
+static satin_status run_animation(const struct app_render_request *r, const satin_scene *scene,
+                                  const satin_options *options, satin_animation frames,
+                                  struct app_live *live, double start) {
     struct frame_user user = {r, live->progress, options->threads, frames.last - frames.first + 1,
                               0, start};
     satin_film *none = NULL;
     frames.frame = write_frame_files;
     frames.complete = r->resume ? find_frame_files : NULL;
     frames.user = &user;
-    const satin_status status = render_live(r, scene, options, &frames, live, &none);
+    const satin_status status = run_live(r, scene, options, &frames, live, &none);
     if (!app_ranks_first(r->ranks)) return status;
     const bool shown = !r->quiet && (status == SATIN_OK || status == SATIN_CANCELLED);
     const int left_out = frames.last - frames.first + 1 - user.count;
@@ -236,9 +235,9 @@ static satin_status render_animation(const struct app_render_request *r, const s
     return status;
 }
 
-static satin_status render_scene(const struct app_render_request *r, const satin_scene *scene,
-                                 const struct app_animation *animation,
-                                 struct app_progress *progress, double start) {
+static satin_status run_scene(const struct app_render_request *r, const satin_scene *scene,
+                              const struct app_animation *animation, struct app_progress *progress,
+                              double start) {
     satin_options options;
     // The user's options were checked before, so an error here is in the scene's options.
     satin_status status = satin_options_resolve(scene, r->setting, r->setting_count, app_log_file,
@@ -252,8 +251,8 @@ static satin_status render_scene(const struct app_render_request *r, const satin
     const satin_ranks *ranks = r->ranks->ranks;
     if (ranks) ranks->broadcast(ranks->user, 0, &options.time, sizeof options.time);
     struct app_live live = {r->preview, &r->tonemap, r->display, progress, false};
-    return r->animation ? render_animation(r, scene, &options, animation->frames, &live, start)
-                        : render_one_image(r, scene, &options, &live, start);
+    return r->animation ? run_animation(r, scene, &options, animation->frames, &live, start)
+                        : run_image(r, scene, &options, &live, start);
 }
 
 // Checks that no output is a file of the scene, and of an animation that all frames can be written.
@@ -279,7 +278,7 @@ static int check_read(const struct app_render_request *r, const satin_scene *sce
 }
 
 // Loads the scene and checks that no output is one of its files.
-static int load_checked(struct app_render_request *r, struct app_animation *animation,
+static int read_checked(struct app_render_request *r, struct app_animation *animation,
                         struct app_progress *progress, satin_scene **scene) {
     app_set_reading(true);
     app_catch_signals();
@@ -294,7 +293,7 @@ static int load_checked(struct app_render_request *r, struct app_animation *anim
     return chosen == APP_DONE ? check_read(r, *scene, animation) : chosen;
 }
 
-static int load_and_render(struct app_render_request *r) {
+static int run_request(struct app_render_request *r) {
     struct app_progress progress;
     satin_scene *scene = NULL;
     double start = stats_wall();
@@ -305,9 +304,8 @@ static int load_and_render(struct app_render_request *r) {
     result = app_ranks_agree(r->ranks, result);
     if (result == APP_DONE) result = app_ranks_agree(r->ranks, check_outputs(r));
     if (result == APP_DONE)
-        result = app_ranks_agree(r->ranks, load_checked(r, &animation, &progress, &scene));
-    if (result == APP_DONE)
-        result = app_exit_of(render_scene(r, scene, &animation, &progress, start));
+        result = app_ranks_agree(r->ranks, read_checked(r, &animation, &progress, &scene));
+    if (result == APP_DONE) result = app_exit_of(run_scene(r, scene, &animation, &progress, start));
     app_animation_free(&animation);
     satin_scene_free(scene);
     return result;
@@ -336,7 +334,7 @@ int app_render(int argc, char **argv) {
     else if (result == APP_DONE && ranks.ranks && strcmp(r.scene, APP_STDIN) == 0)
         result = app_wrong("several processes cannot read a scene from standard input");
     else if (result == APP_DONE)
-        result = load_and_render(&r);
+        result = run_request(&r);
     free(r.define);
     free(r.setting);
     free(r.png_beside);

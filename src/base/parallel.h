@@ -107,7 +107,7 @@ struct parallel_traffic {
     double bytes;    // results of all ranks
     double seconds;  // in which this rank sent and received results, and waited for others
 };
-struct parallel_traffic parallel_traffic(const struct parallel *pool);
+struct parallel_traffic parallel_get_traffic(const struct parallel *pool);
 // Returns `found` of rank 0 on all ranks, and if it is true copies the bytes of rank 0 to them.
 bool parallel_broadcast(struct parallel *pool, bool found, struct bytes *bytes);
 // Replaces each of the values by its sum over all ranks.

@@ -37,7 +37,7 @@ void parallel_set_journal(struct parallel *pool, const struct parallel_journal *
 
 satin_status parallel_status(const struct parallel *pool) { return pool->division.status; }
 
-struct parallel_traffic parallel_traffic(const struct parallel *pool) {
+struct parallel_traffic parallel_get_traffic(const struct parallel *pool) {
     return pool->division.traffic;
 }
 

@@ -188,8 +188,8 @@ static float index_through(const struct brdf *b, vec3 wo) {
     return wo.z > 0.0f ? b->ior : 1.0f / b->ior;
 }
 
-bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
-                 enum brdf_mode mode, struct brdf_sample *out) {
+bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
+                    enum brdf_mode mode, struct brdf_sample *out) {
     struct lobe_probability s;
     if (!find_probabilities(b, wo, lobes, &s)) return false;
     if (u_lobe < s.delta) return sample_delta(b, wo, u_lobe / s.delta, s.delta, mode, out);

@@ -223,15 +223,15 @@ static inline bool brdf_transmits(const struct brdf *b) {
 // The sum of f_r over the smooth lobes in `lobes` [sr^-1], for radiance, without the cosine. 0
 // unless both directions are above or the BRDF transmits.
 rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
-// The density over solid angle with which brdf_sample draws wi with the same lobes; 0 for delta
+// The density over solid angle with which brdf_sample_wi draws wi with the same lobes; 0 for delta
 // lobes.
 float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
 // Whether the glossy lobe, sampled alone, draws wi with a density over `most` [sr^-1]; not if that
 // is INFINITY, or if there is no such lobe.
 bool brdf_is_sharp(const struct brdf *b, vec3 wo, vec3 wi, float most);
 // Draws one direction from the selected lobes. False if nothing is reflected or the sample failed.
-bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
-                 enum brdf_mode mode, struct brdf_sample *out);
+bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
+                    enum brdf_mode mode, struct brdf_sample *out);
 // All delta lobes for wo (0 to 2), for deterministic splitting. Their weight is the fraction of
 // radiance, compressed by refraction, or of power; their probabilities sum to 1.
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
@@ -271,7 +271,7 @@ satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
                               struct parallel *pool, struct brdf_table **out);
 void brdf_table_free(struct brdf_table *table);  // NULL is allowed
 int brdf_table_channels(const struct brdf_table *table);
-struct brdf_table_info brdf_table_info(const struct brdf_table *table);
+struct brdf_table_info brdf_table_describe(const struct brdf_table *table);
 // The order n at wo, or 0 if the error there exceeds the bound.
 int brdf_table_order(const struct brdf_table *table, vec3 wo);
 // Writes the interpolated coefficients for wo, channel by channel: c[channel * n * n + l (l + 1) +
@@ -293,7 +293,7 @@ satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness 
                               struct brdf_range **out);
 void brdf_range_free(struct brdf_range *range);  // NULL is allowed
 // Order, fraction and size, over all roughnesses.
-struct brdf_table_info brdf_range_info(const struct brdf_range *range);
+struct brdf_table_info brdf_range_describe(const struct brdf_range *range);
 // Do what brdf_table_order and brdf_table_lookup do, for the roughness of b. The number of channels
 // is that of brdf_range_info.
 int brdf_range_order(const struct brdf_range *range, const struct brdf *b, vec3 wo);

@@ -27,14 +27,14 @@ static rgb sample_mean(const struct brdf *b, vec3 wo, unsigned lobe, uint32_t po
     for (uint32_t i = 0; i < points; i++) {
         vec2 p = sample_sobol2(i, 1);
         struct brdf_sample s;
-        if (brdf_sample(b, wo, sample_sobol1(i, 2), p.x, p.y, lobe, BRDF_POWER, &s))
+        if (brdf_sample_wi(b, wo, sample_sobol1(i, 2), p.x, p.y, lobe, BRDF_POWER, &s))
             sum = rgb_mad(sum, s.weight, 1.0f / (float)points);
     }
     return sum;
 }
 
-static void fill_nodes(const struct brdf *white, int azimuths, unsigned lobe, bool below,
-                       struct nodes *out) {
+static void set_nodes(const struct brdf *white, int azimuths, unsigned lobe, bool below,
+                      struct nodes *out) {
     for (int j = 0; j < azimuths; j++)
         for (int i = 0; i < ALBEDO_NODES; i++) {
             // Just above the horizon, where some models are infinite.
@@ -55,9 +55,9 @@ satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
     g->brdf = *b;
     g->azimuths = brdf_isotropic(b) ? 1 : ALBEDO_AZIMUTHS;
     for (int below = 0; below < (brdf_transmits(b) ? 2 : 1); below++) {
-        fill_nodes(&white, g->azimuths, BRDF_GLOSSY, below, &g->side[0][below]);
+        set_nodes(&white, g->azimuths, BRDF_GLOSSY, below, &g->side[0][below]);
         if (b->model->lobes & BRDF_THROUGH)
-            fill_nodes(&white, g->azimuths, BRDF_THROUGH, below, &g->side[1][below]);
+            set_nodes(&white, g->azimuths, BRDF_THROUGH, below, &g->side[1][below]);
     }
     b->glossy = g;
     return SATIN_OK;

@@ -20,11 +20,11 @@ struct burley {
         wcG[BURLEY_SIZE], wc2F[BURLEY_SIZE], sheen[BURLEY_SIZE];
 };
 
-satin_status burley_prepare(struct brdf *b, struct arena *arena) {
+satin_status brdf_burley_prepare(struct brdf *b, struct arena *arena) {
     struct burley *t = arena_alloc(arena, sizeof *t);
     if (!t) return SATIN_ERROR_MEMORY;
     struct quadrature rule;
-    quadrature_gauss(&rule, NODES);
+    brdf_quadrature_gauss(&rule, NODES);
     for (int i = 0; i < BURLEY_SIZE; i++) {
         float mu = maxf((float)i / (BURLEY_SIZE - 1), 1e-3f), s = safe_sqrtf(1.0f - mu * mu);
         double sum[8] = {0};
@@ -33,7 +33,7 @@ satin_status burley_prepare(struct brdf *b, struct arena *arena) {
                 double x = rule.x[j], phi = M_PI * (k + 0.5) / AZIMUTHS;
                 double weight = rule.weight[j] * 2.0 * x / AZIMUTHS;
                 double c = 0.5 * (1.0 + mu * x + s * sqrt(1.0 - x * x) * cos(phi));
-                double F = (double)burley_weight((float)x), w = 1.0 / (mu + x) - 0.5;
+                double F = (double)brdf_burley_weight((float)x), w = 1.0 / (mu + x) - 0.5;
                 const double value[8] = {c,
                                          c * F,
                                          c * c * F,
@@ -41,7 +41,7 @@ satin_status burley_prepare(struct brdf *b, struct arena *arena) {
                                          w * c * F,
                                          w * c * (1.0 - F),
                                          w * c * c * F,
-                                         (double)burley_weight((float)sqrt(c))};
+                                         (double)brdf_burley_weight((float)sqrt(c))};
                 for (int n = 0; n < 8; n++) sum[n] += weight * value[n];
             }
         t->c[i] = (float)sum[0], t->cF[i] = (float)sum[1], t->c2F[i] = (float)sum[2];
@@ -53,12 +53,12 @@ satin_status burley_prepare(struct brdf *b, struct arena *arena) {
 }
 
 static rgb sheen_color(const struct brdf *b) {
-    rgb tint = rgb_scale(burley_tint(b), b->sheen_tint);
+    rgb tint = rgb_scale(brdf_burley_tint(b), b->sheen_tint);
     return rgb_scale(rgb_add(tint, rgb_grey(1.0f - b->sheen_tint)), b->sheen);
 }
 
-rgb burley_diffuse(const struct brdf *b, vec3 wo, vec3 wi, float base, float sheen) {
-    float Fo = burley_weight(wo.z), Fi = burley_weight(wi.z);
+rgb brdf_burley_diffuse(const struct brdf *b, vec3 wo, vec3 wi, float base, float sheen) {
+    float Fo = brdf_burley_weight(wo.z), Fi = brdf_burley_weight(wi.z);
     float c = minf(0.25f * v3_len2(v3_add(wo, wi)), 1.0f), R = 2.0f * b->alpha_u * c;
     float f = (1.0f - 0.5f * Fo) * (1.0f - 0.5f * Fi) + R * (Fo + Fi + Fo * Fi * (R - 1.0f));
     if (b->flatness > 0.0f) {
@@ -68,12 +68,12 @@ rgb burley_diffuse(const struct brdf *b, vec3 wo, vec3 wi, float base, float she
     }
     rgb value = rgb_scale(b->diffuse, base * f * (1.0f / PI_F));
     if (b->sheen == 0.0f) return value;
-    return rgb_mad(value, sheen_color(b), sheen * burley_weight(sqrtf(c)));
+    return rgb_mad(value, sheen_color(b), sheen * brdf_burley_weight(sqrtf(c)));
 }
 
-rgb burley_diffuse_albedo(const struct brdf *b, float cosine, float base, float sheen) {
+rgb brdf_burley_diffuse_albedo(const struct brdf *b, float cosine, float base, float sheen) {
     const struct burley *t = b->tables;
-    float x = cosine * (float)(BURLEY_SIZE - 1), r = b->alpha_u, F = burley_weight(cosine),
+    float x = cosine * (float)(BURLEY_SIZE - 1), r = b->alpha_u, F = brdf_burley_weight(cosine),
           G = 1.0f - F;
     int i = x < (float)(BURLEY_SIZE - 2) ? (int)x : BURLEY_SIZE - 2;
     x -= (float)i;

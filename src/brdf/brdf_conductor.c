@@ -9,31 +9,31 @@ static int conductor_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                            struct brdf_sample out[2]) {
     (void)mode;
     if (!(wo.z > 0.0f)) return 0;
-    out[0] = brdf_mirror(wo, rgb_mul(b->specular, fresnel_conductor(wo.z, b->eta, b->k)));
+    out[0] = brdf_mirror(wo, rgb_mul(b->specular, brdf_fresnel_conductor(wo.z, b->eta, b->k)));
     return 1;
 }
 
 static struct microfacet conductor_facets(const struct brdf *b) {
-    return microfacet_make(b->distribution, b->alpha_u, b->alpha_v, b->alpha_least);
+    return brdf_microfacet_make(b->distribution, b->alpha_u, b->alpha_v, b->alpha_least);
 }
 
 static void conductor_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);  // cosine to the facet's normal
-    rgb f = rgb_mul(b->specular, fresnel_conductor(cos_d, b->eta, b->k));
+    rgb f = rgb_mul(b->specular, brdf_fresnel_conductor(cos_d, b->eta, b->k));
     *diffuse = rgb_grey(0.0f);
-    *glossy = rgb_scale(f, microfacet_reflection(conductor_facets(b), wo, wi));
+    *glossy = rgb_scale(f, brdf_microfacet_reflection(conductor_facets(b), wo, wi));
 }
 
 static void conductor_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
                           float *glossy) {
     (void)lobes;
     *diffuse = 0.0f;
-    *glossy = microfacet_reflection_pdf(conductor_facets(b), wo, wi);
+    *glossy = brdf_microfacet_reflection_pdf(conductor_facets(b), wo, wi);
 }
 
 static bool conductor_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
-    return microfacet_reflect(conductor_facets(b), wo, u.y, u.z, wi);
+    return brdf_microfacet_reflect(conductor_facets(b), wo, u.y, u.z, wi);
 }
 
 const struct brdf_model brdf_model_conductor = {

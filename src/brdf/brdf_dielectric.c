@@ -19,7 +19,7 @@ static int split_delta(float f, struct brdf_sample reflected, struct brdf_sample
 static int glass_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                        struct brdf_sample out[2]) {
     if (wo.z == 0.0f) return 0;
-    float cos_t, f = fresnel_dielectric(wo.z, b->ior, &cos_t);
+    float cos_t, f = brdf_fresnel_dielectric(wo.z, b->ior, &cos_t);
     float eta = wo.z > 0.0f ? b->ior : 1.0f / b->ior;
     // Radiance is compressed to a smaller solid angle on the denser side.
     float t = (1.0f - f) / (mode == BRDF_RADIANCE ? eta * eta : 1.0f);
@@ -36,7 +36,7 @@ static int pane_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                       struct brdf_sample out[2]) {
     (void)mode;
     if (wo.z == 0.0f) return 0;
-    float f = fresnel_dielectric(fabsf(wo.z), b->ior, NULL);
+    float f = brdf_fresnel_dielectric(fabsf(wo.z), b->ior, NULL);
     f = 2.0f * f / (1.0f + f);
     struct brdf_sample transmitted = {.wi = v3_neg(wo),
                                       .weight = rgb_scale(b->transmittance, 1.0f - f),

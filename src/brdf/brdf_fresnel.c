@@ -5,7 +5,7 @@
 // With eta + i k and s = sin^2: the boundary has the reflectance of one of real index a + i b
 // normal to it, where (a + i b)^2 = (eta + i k)^2 - s. The arrays have four lanes to fill a vector;
 // lane 3 is unused.
-rgb fresnel_conductor(float cos_i, rgb eta, rgb k) {
+rgb brdf_fresnel_conductor(float cos_i, rgb eta, rgb k) {
     const float n[4] = {eta.r, eta.g, eta.b, 1.0f}, kk[4] = {k.r, k.g, k.b, 0.0f};
     const float c2 = cos_i * cos_i, s2 = 1.0f - c2, s4 = s2 * s2;
     float r[4];
@@ -21,7 +21,7 @@ rgb fresnel_conductor(float cos_i, rgb eta, rgb k) {
     return rgb_make(r[0], r[1], r[2]);
 }
 
-float fresnel_diffuse_mean(float eta) {
+float brdf_fresnel_diffuse_mean(float eta) {
     float x = 1.0f / eta;
     if (eta < 1.0f) return 0.0636f * x + 0.6681f + eta * (0.7099f - 1.4399f * eta);
     return 0.919317f +

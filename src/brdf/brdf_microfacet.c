@@ -5,8 +5,8 @@
 
 #include "base/sampling.h"
 
-float microfacet_g1_exact(struct microfacet m, vec3 v) {
-    float t2 = microfacet_stretch2(m, v);
+float brdf_microfacet_g1_exact(struct microfacet m, vec3 v) {
+    float t2 = brdf_microfacet_stretch2(m, v);
     if (m.kind == BRDF_GGX) return 2.0f * v.z / (v.z + sqrtf(v.z * v.z + t2));
     if (v.z * v.z >= 25.0f * t2) return 1.0f;  // the error is 1e-13
     float a = v.z / sqrtf(t2);
@@ -81,7 +81,7 @@ static vec3 shrink_slope(struct microfacet m, struct stretched_view w, vec2 slop
     return v3_unit(v3(-m.au * x, -m.av * y, 1.0f));
 }
 
-vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
+vec3 brdf_microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
     struct stretched_view view = stretch_view(m, w);
     vec2 slope = m.kind == BRDF_GGX ? ggx_slope(view.c, view.s, u, v)
                                     : (vec2){(float)beckmann_slope(view.c, view.s, v),
@@ -91,8 +91,9 @@ vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
 
 // u -> 1 - u mirrors both maps from (u, v) to slopes, so half of the rule is enough. Beckmann's map
 // is separable, so a root is needed per node, not per pair of nodes.
-double microfacet_visible_mean(struct microfacet m, float cosine, const struct quadrature *rule,
-                               float (*fn)(const void *ctx, vec3 n), const void *ctx) {
+double brdf_microfacet_visible_mean(struct microfacet m, float cosine,
+                                    const struct quadrature *rule,
+                                    float (*fn)(const void *ctx, vec3 n), const void *ctx) {
     struct stretched_view view =
         stretch_view(m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine));
     vec2 slope[QUADRATURE_MAX];
@@ -113,8 +114,8 @@ double microfacet_visible_mean(struct microfacet m, float cosine, const struct q
     return sum;
 }
 
-bool microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi) {
-    vec3 n = microfacet_sample(m, wo, u, v);
+bool brdf_microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi) {
+    vec3 n = brdf_microfacet_sample(m, wo, u, v);
     *wi = v3_mad(v3_neg(wo), 2.0f * v3_dot(wo, n), n);
     return wi->z > 0.0f;
 }

@@ -17,19 +17,19 @@ struct microfacet {
     float au, av;  // roughness along x and y, >= 1e-4
 };
 
-static inline struct microfacet microfacet_make(enum brdf_distribution kind, float au, float av,
-                                                float least) {
+static inline struct microfacet brdf_microfacet_make(enum brdf_distribution kind, float au,
+                                                     float av, float least) {
     least = maxf(least, 1e-4f);
     return (struct microfacet){kind, maxf(au, least), maxf(av, least)};
 }
 
 // |(au v.x, av v.y)|^2: the squared tangent of v after stretching, times v.z^2.
-static inline float microfacet_stretch2(struct microfacet m, vec3 v) {
+static inline float brdf_microfacet_stretch2(struct microfacet m, vec3 v) {
     return sqrf(m.au * v.x) + sqrf(m.av * v.y);
 }
 
 // The density of facets with normal h / |h| [sr^-1]; h need not be unit, h.z > 0.
-static inline float microfacet_d(struct microfacet m, vec3 h) {
+static inline float brdf_microfacet_d(struct microfacet m, vec3 h) {
     float h2 = v3_len2(h), e = sqrf(h.x / m.au) + sqrf(h.y / m.av), z2 = h.z * h.z;
     float scale = h2 * h2 / (PI_F * m.au * m.av);
     if (m.kind == BRDF_GGX) return scale / sqrf(e + z2);
@@ -38,8 +38,8 @@ static inline float microfacet_d(struct microfacet m, vec3 h) {
 
 // The masking of direction v (v.z > 0), by the rational fit: the fraction of the facets facing v
 // that is visible from v.
-static inline float microfacet_g1(struct microfacet m, vec3 v) {
-    float t2 = microfacet_stretch2(m, v);
+static inline float brdf_microfacet_g1(struct microfacet m, vec3 v) {
+    float t2 = brdf_microfacet_stretch2(m, v);
     if (m.kind == BRDF_GGX) return 2.0f * v.z / (v.z + sqrtf(v.z * v.z + t2));
     if (v.z * v.z >= 2.56f * t2) return 1.0f;
     float a = v.z / sqrtf(t2);
@@ -47,34 +47,35 @@ static inline float microfacet_g1(struct microfacet m, vec3 v) {
 }
 
 // The exact masking of v (v.z > 0), which normalises the distribution of visible normals.
-float microfacet_g1_exact(struct microfacet m, vec3 v);
+float brdf_microfacet_g1_exact(struct microfacet m, vec3 v);
 
 // D G / (4 cos cos) for reflection from wo to wi, both above [sr^-1].
-static inline float microfacet_reflection(struct microfacet m, vec3 wo, vec3 wi) {
-    float d = microfacet_d(m, v3_add(wo, wi));
+static inline float brdf_microfacet_reflection(struct microfacet m, vec3 wo, vec3 wi) {
+    float d = brdf_microfacet_d(m, v3_add(wo, wi));
     if (m.kind == BRDF_GGX) {
-        float lo = wo.z + sqrtf(wo.z * wo.z + microfacet_stretch2(m, wo));
-        float li = wi.z + sqrtf(wi.z * wi.z + microfacet_stretch2(m, wi));
+        float lo = wo.z + sqrtf(wo.z * wo.z + brdf_microfacet_stretch2(m, wo));
+        float li = wi.z + sqrtf(wi.z * wi.z + brdf_microfacet_stretch2(m, wi));
         return d / (lo * li);
     }
-    return d * microfacet_g1(m, wo) * microfacet_g1(m, wi) / (4.0f * wo.z * wi.z);
+    return d * brdf_microfacet_g1(m, wo) * brdf_microfacet_g1(m, wi) / (4.0f * wo.z * wi.z);
 }
 
 // The density over the solid angle of wi with which reflection of wo at a visible normal draws wi.
-static inline float microfacet_reflection_pdf(struct microfacet m, vec3 wo, vec3 wi) {
-    return microfacet_d(m, v3_add(wo, wi)) * microfacet_g1_exact(m, wo) / (4.0f * wo.z);
+static inline float brdf_microfacet_reflection_pdf(struct microfacet m, vec3 wo, vec3 wi) {
+    return brdf_microfacet_d(m, v3_add(wo, wi)) * brdf_microfacet_g1_exact(m, wo) / (4.0f * wo.z);
 }
 
 // Draws a unit normal that is visible from w (w.z > 0), with density D G1 (w . m) / w.z.
-vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v);
+vec3 brdf_microfacet_sample(struct microfacet m, vec3 w, float u, float v);
 
 // The mean of fn over the normals that are visible at `cosine` from the azimuth 0, for isotropic
 // facets and a function that is even in y: a product Gauss rule over the unit square of
-// microfacet_sample.
-double microfacet_visible_mean(struct microfacet m, float cosine, const struct quadrature *rule,
-                               float (*fn)(const void *ctx, vec3 n), const void *ctx);
+// brdf_microfacet_sample.
+double brdf_microfacet_visible_mean(struct microfacet m, float cosine,
+                                    const struct quadrature *rule,
+                                    float (*fn)(const void *ctx, vec3 n), const void *ctx);
 
 // Reflects wo at a visible normal. False if the result is not above.
-bool microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi);
+bool brdf_microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi);
 
 #endif

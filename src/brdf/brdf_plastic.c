@@ -41,15 +41,15 @@ static satin_status smooth_prepare(struct brdf *b, struct arena *arena) {
     struct plastic_coat *c = arena_alloc(arena, sizeof *c);
     if (!c) return SATIN_ERROR_MEMORY;
     c->inv_ior2 = 1.0f / (b->ior * b->ior);
-    c->inside = fresnel_diffuse_mean(1.0f / b->ior);
-    c->enters = 1.0f - fresnel_diffuse_mean(b->ior);
+    c->inside = brdf_fresnel_diffuse_mean(1.0f / b->ior);
+    c->enters = 1.0f - brdf_fresnel_diffuse_mean(b->ior);
     b->tables = c;
     return SATIN_OK;
 }
 
 static void smooth_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    float t = (1.0f - fresnel_dielectric(wo.z, b->ior, NULL)) *
-              (1.0f - fresnel_dielectric(wi.z, b->ior, NULL));
+    float t = (1.0f - brdf_fresnel_dielectric(wo.z, b->ior, NULL)) *
+              (1.0f - brdf_fresnel_dielectric(wi.z, b->ior, NULL));
     *diffuse = rgb_scale(base_albedo(b, b->tables), t * (1.0f / PI_F));
     *glossy = rgb_grey(0.0f);
 }
@@ -65,13 +65,13 @@ static int plastic_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                          struct brdf_sample out[2]) {
     (void)mode;
     if (!(wo.z > 0.0f)) return 0;
-    out[0] = brdf_mirror(wo, rgb_scale(b->specular, fresnel_dielectric(wo.z, b->ior, NULL)));
+    out[0] = brdf_mirror(wo, rgb_scale(b->specular, brdf_fresnel_dielectric(wo.z, b->ior, NULL)));
     return 1;
 }
 
 static rgb smooth_diffuse_albedo(const struct brdf *b, vec3 wo) {
     const struct plastic_coat *c = b->tables;
-    float t = 1.0f - fresnel_dielectric(wo.z, b->ior, NULL);
+    float t = 1.0f - brdf_fresnel_dielectric(wo.z, b->ior, NULL);
     return rgb_scale(base_albedo(b, c), t * c->enters);
 }
 
@@ -79,13 +79,13 @@ static void smooth_plastic_probabilities(const struct brdf *b, vec3 wo, float *d
                                          float *glossy, float *delta) {
     *diffuse = rgb_mean(smooth_diffuse_albedo(b, wo));
     *glossy = 0.0f;
-    *delta = fresnel_dielectric(wo.z, b->ior, NULL) * rgb_mean(b->specular);
+    *delta = brdf_fresnel_dielectric(wo.z, b->ior, NULL) * rgb_mean(b->specular);
 }
 
 // ---- Rough coat --------------------------------------------------------------------------------
 
 static struct microfacet plastic_facets(const struct brdf *b) {
-    return microfacet_make(b->distribution, b->alpha_u, b->alpha_u, b->alpha_least);
+    return brdf_microfacet_make(b->distribution, b->alpha_u, b->alpha_u, b->alpha_least);
 }
 
 static float transmittance(const struct plastic_coat *c, float cosine) {
@@ -107,17 +107,17 @@ static float facet_reflects(const void *ctx, vec3 n) {
     float c = v3_dot(b->wo, n);
     vec3 wi = v3_mad(v3_neg(b->wo), 2.0f * c, n);
     if (wi.z <= 0.0f) return 0.0f;
-    return fresnel_dielectric(c, b->eta, NULL) * microfacet_g1(b->facets, wi);
+    return brdf_fresnel_dielectric(c, b->eta, NULL) * brdf_microfacet_g1(b->facets, wi);
 }
 
 // The fraction that the facet transmits and that is not masked on the other side.
 static float facet_transmits(const void *ctx, vec3 n) {
     const struct boundary *b = ctx;
-    float cos_t, c = v3_dot(b->wo, n), f = fresnel_dielectric(c, b->eta, &cos_t);
+    float cos_t, c = v3_dot(b->wo, n), f = brdf_fresnel_dielectric(c, b->eta, &cos_t);
     // The direction of the transmitted light, reversed.
     vec3 inward = v3_mad(v3_mul(b->wo, 1.0f / b->eta), -(c / b->eta + cos_t), n);
     if (inward.z <= 0.0f) return 0.0f;
-    return (1.0f - f) * microfacet_g1(b->facets, inward);
+    return (1.0f - f) * brdf_microfacet_g1(b->facets, inward);
 }
 
 static struct boundary coat_boundary(struct microfacet m, float cosine, float eta) {
@@ -128,17 +128,17 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
     struct plastic_coat *c = arena_alloc(arena, sizeof *c);
     struct quadrature rule_out, rule_in;
     if (!c) return SATIN_ERROR_MEMORY;
-    quadrature_gauss(&rule_out, OUTSIDE_NODES);
-    quadrature_gauss(&rule_in, INSIDE_NODES);
+    brdf_quadrature_gauss(&rule_out, OUTSIDE_NODES);
+    brdf_quadrature_gauss(&rule_in, INSIDE_NODES);
     double inside = 0.0, enters = 0.0;
     for (int i = 0; i < TRANSMITTANCE_SIZE; i++) {
         float mu = maxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
         struct boundary out = coat_boundary(plastic_facets(b), mu, b->ior);
         struct boundary in = coat_boundary(plastic_facets(b), mu, 1.0f / b->ior);
         c->transmittance[i] =
-            (float)microfacet_visible_mean(out.facets, mu, &rule_out, facet_transmits, &out);
+            (float)brdf_microfacet_visible_mean(out.facets, mu, &rule_out, facet_transmits, &out);
         inside +=
-            (double)mu * microfacet_visible_mean(in.facets, mu, &rule_in, facet_reflects, &in);
+            (double)mu * brdf_microfacet_visible_mean(in.facets, mu, &rule_in, facet_reflects, &in);
     }
     for (int i = 0; i < OUTSIDE_NODES; i++)
         enters += rule_out.weight[i] * rule_out.x[i] * transmittance(c, (float)rule_out.x[i]);
@@ -152,8 +152,8 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
 static void plastic_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     const struct plastic_coat *c = b->tables;
     float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
-    float f =
-        fresnel_dielectric(cos_d, b->ior, NULL) * microfacet_reflection(plastic_facets(b), wo, wi);
+    float f = brdf_fresnel_dielectric(cos_d, b->ior, NULL) *
+              brdf_microfacet_reflection(plastic_facets(b), wo, wi);
     float t = transmittance(c, wo.z) * transmittance(c, wi.z);
     *diffuse = rgb_scale(base_albedo(b, c), t * (1.0f / PI_F));
     *glossy = rgb_scale(b->specular, f);
@@ -163,12 +163,12 @@ static void plastic_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, 
                         float *glossy) {
     (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
-    *glossy = microfacet_reflection_pdf(plastic_facets(b), wo, wi);
+    *glossy = brdf_microfacet_reflection_pdf(plastic_facets(b), wo, wi);
 }
 
 static bool plastic_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
-    return microfacet_reflect(plastic_facets(b), wo, u.y, u.z, wi);
+    return brdf_microfacet_reflect(plastic_facets(b), wo, u.y, u.z, wi);
 }
 
 static rgb rough_diffuse_albedo(const struct brdf *b, vec3 wo) {

@@ -20,12 +20,12 @@ static float refracting_fraction(const struct brdf *b) {
 // The reflectance of the facets from outside, at the cosine c to them.
 static rgb reflectance(const struct brdf *b, float c) {
     float dielectric = (1.0f - b->metallic) * (1.0f - b->spec_tint);
-    rgb f = rgb_grey(dielectric * fresnel_dielectric(c, b->ior, NULL));
+    rgb f = rgb_grey(dielectric * brdf_fresnel_dielectric(c, b->ior, NULL));
     if (b->metallic == 0.0f && b->spec_tint == 0.0f) return f;
-    float w = burley_schlick_weight(c, b->ior);
+    float w = brdf_burley_schlick_weight(c, b->ior);
     rgb metal = rgb_mad(rgb_scale(b->diffuse, 1.0f - w), rgb_grey(1.0f), w);
     f = rgb_mad(f, metal, b->metallic);
-    return rgb_mad(f, burley_tinted(b, w), (1.0f - b->metallic) * b->spec_tint);
+    return rgb_mad(f, brdf_burley_tinted(b, w), (1.0f - b->metallic) * b->spec_tint);
 }
 
 // ---- The clear coat -----------------------------------------------------------------------------
@@ -43,7 +43,7 @@ static float coat_g1(float z) { return 2.0f * z / (z + sqrtf(z * z + 0.0625f * (
 
 static float clear_coat(const struct brdf *b, vec3 wo, vec3 wi) {
     vec3 h = v3_unit(v3_add(wo, wi));
-    float w = burley_schlick_weight(v3_dot(wo, h), b->ior);
+    float w = brdf_burley_schlick_weight(v3_dot(wo, h), b->ior);
     float f = lerpf(0.04f, 1.0f, w) * coat_d(coat_alpha2(b), h.z) * coat_g1(wo.z) * coat_g1(wi.z);
     return 0.25f * b->clearcoat * f;
 }
@@ -71,20 +71,20 @@ static float coat_probability(const struct brdf *b, bool inside, unsigned lobes)
 // ---- All lobes ----------------------------------------------------------------------------------
 
 static struct refraction facets_at(const struct brdf *b, vec3 *wo, vec3 *wi) {
-    return refraction_at(burley_facets(b, b->alpha_u), b->ior, wo, wi);
+    return brdf_refraction_at(brdf_burley_facets(b, b->alpha_u), b->ior, wo, wi);
 }
 
 static void principled_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     const bool inside = wo.z < 0.0f;
     struct refraction at = facets_at(b, &wo, &wi);
     float c = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
-    float d = microfacet_reflection(at.facets, wo, wi);
+    float d = brdf_microfacet_reflection(at.facets, wo, wi);
     *diffuse = rgb_grey(0.0f);
     if (inside) {
-        *glossy = rgb_grey(refracting_fraction(b) * fresnel_dielectric(c, at.eta, NULL) * d);
+        *glossy = rgb_grey(refracting_fraction(b) * brdf_fresnel_dielectric(c, at.eta, NULL) * d);
         return;
     }
-    *diffuse = burley_diffuse(b, wo, wi, diffuse_fraction(b), 1.0f - b->metallic);
+    *diffuse = brdf_burley_diffuse(b, wo, wi, diffuse_fraction(b), 1.0f - b->metallic);
     *glossy = rgb_scale(reflectance(b, c), d);
     if (b->clearcoat > 0.0f) *glossy = rgb_add(*glossy, rgb_grey(clear_coat(b, wo, wi)));
     *glossy = rgb_mul(*glossy, b->specular);
@@ -92,7 +92,7 @@ static void principled_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse
 
 static rgb principled_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
     struct refraction at = facets_at(b, &wo, &wi);
-    float f = refracting_fraction(b) * refraction_value(&at, wo, wi, mode);
+    float f = refracting_fraction(b) * brdf_refraction_value(&at, wo, wi, mode);
     rgb root = rgb_make(sqrtf(b->diffuse.r), sqrtf(b->diffuse.g), sqrtf(b->diffuse.b));
     return rgb_mul(rgb_scale(root, f), b->transmittance);
 }
@@ -113,12 +113,12 @@ static void principled_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobe
     *glossy = 0.0f;
     if (wi.z > 0.0f && lobes & BRDF_GLOSSY) {
         float c = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
-        float f = fresnel_dielectric(c, at.eta, NULL);
+        float f = brdf_fresnel_dielectric(c, at.eta, NULL);
         *glossy = (1.0f - coated) * (1.0f - refracts(b, inside, lobes, f)) *
-                  microfacet_reflection_pdf(at.facets, wo, wi);
+                  brdf_microfacet_reflection_pdf(at.facets, wo, wi);
         if (coated > 0.0f) *glossy += coated * coat_pdf(b, wo, wi);
     } else if (wi.z < 0.0f) {
-        float f, visible = refraction_pdf(&at, wo, wi, &f);
+        float f, visible = brdf_refraction_pdf(&at, wo, wi, &f);
         *glossy = (1.0f - coated) * refracts(b, inside, lobes, f) * visible;
     }
 }
@@ -130,27 +130,28 @@ static bool principled_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec
     float rest = (u.x - coated) / (1.0f - coated);
     *wi = v3(0, 0, 0);
     struct refraction at = facets_at(b, &wo, wi);
-    vec3 n = microfacet_sample(at.facets, wo, u.y, u.z);
-    float f = fresnel_dielectric(v3_dot(wo, n), at.eta, NULL);
-    if (!refraction_follow(&at, wo, n, rest < refracts(b, inside, lobes, f), wi)) return false;
+    vec3 n = brdf_microfacet_sample(at.facets, wo, u.y, u.z);
+    float f = brdf_fresnel_dielectric(v3_dot(wo, n), at.eta, NULL);
+    if (!brdf_refraction_follow(&at, wo, n, rest < refracts(b, inside, lobes, f), wi)) return false;
     if (inside) wi->z = -wi->z;
     return true;
 }
 
 static rgb principled_diffuse_albedo(const struct brdf *b, vec3 wo) {
     if (!(wo.z > 0.0f)) return rgb_grey(0.0f);
-    return burley_diffuse_albedo(b, wo.z, diffuse_fraction(b), 1.0f - b->metallic);
+    return brdf_burley_diffuse_albedo(b, wo.z, diffuse_fraction(b), 1.0f - b->metallic);
 }
 
 // Estimated by the reflectance of facets whose normal is that of the surface.
 static rgb principled_glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
-    float c = maxf(fabsf(wo.z), 0.05f), f = fresnel_dielectric(copysignf(c, wo.z), b->ior, NULL);
+    float c = maxf(fabsf(wo.z), 0.05f),
+          f = brdf_fresnel_dielectric(copysignf(c, wo.z), b->ior, NULL);
     if (lobe == BRDF_THROUGH) {
         rgb root = rgb_make(sqrtf(b->diffuse.r), sqrtf(b->diffuse.g), sqrtf(b->diffuse.b));
         return rgb_scale(root, refracting_fraction(b) * (1.0f - f));
     }
     if (wo.z < 0.0f) return rgb_grey(refracting_fraction(b) * f);
-    float w = burley_schlick_weight(c, b->ior);
+    float w = brdf_burley_schlick_weight(c, b->ior);
     return rgb_add(reflectance(b, c), rgb_grey(0.25f * b->clearcoat * lerpf(0.04f, 1.0f, w)));
 }
 
@@ -175,7 +176,7 @@ const struct brdf_model brdf_model_principled = {
              1u << BRDF_SLOT_SHEEN | 1u << BRDF_SLOT_SHEEN_TINT | 1u << BRDF_SLOT_FLATNESS |
              1u << BRDF_SLOT_CLEARCOAT | 1u << BRDF_SLOT_CLEARCOAT_GLOSS,
     .transmits = true,
-    .prepare = burley_prepare,
+    .prepare = brdf_burley_prepare,
     .eval = principled_eval,
     .through = principled_transmission,
     .pdf = principled_pdf,

@@ -14,10 +14,12 @@ static void mirror_up(vec3 *wo, vec3 *wi) {
     wi->z = -wi->z;
 }
 
-static struct microfacet thin_facets(const struct brdf *b) { return burley_facets(b, b->alpha_u); }
+static struct microfacet thin_facets(const struct brdf *b) {
+    return brdf_burley_facets(b, b->alpha_u);
+}
 
 static struct microfacet narrowed(const struct brdf *b) {
-    return burley_facets(b, (0.65f * b->ior - 0.35f) * b->alpha_u);
+    return brdf_burley_facets(b, (0.65f * b->ior - 0.35f) * b->alpha_u);
 }
 
 static float diffuse_transmission(const struct brdf *b) {
@@ -32,14 +34,14 @@ static float facet_cosine(vec3 wo, vec3 wi) { return minf(0.5f * v3_len(v3_add(w
 
 static void thin_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     mirror_up(&wo, &wi);
-    *diffuse = burley_diffuse(b, wo, wi, diffuse_reflection(b), diffuse_reflection(b));
+    *diffuse = brdf_burley_diffuse(b, wo, wi, diffuse_reflection(b), diffuse_reflection(b));
     *glossy = rgb_grey(0.0f);
     if (b->spec_trans == 0.0f) return;
-    float c = facet_cosine(wo, wi), f = fresnel_dielectric(c, b->ior, NULL);
+    float c = facet_cosine(wo, wi), f = brdf_fresnel_dielectric(c, b->ior, NULL);
     rgb F = rgb_grey((1.0f - b->spec_tint) * f);
     if (b->spec_tint > 0.0f)
-        F = rgb_mad(F, burley_tinted(b, burley_schlick_weight(c, b->ior)), b->spec_tint);
-    *glossy = rgb_scale(F, b->spec_trans * microfacet_reflection(thin_facets(b), wo, wi));
+        F = rgb_mad(F, brdf_burley_tinted(b, brdf_burley_schlick_weight(c, b->ior)), b->spec_tint);
+    *glossy = rgb_scale(F, b->spec_trans * brdf_microfacet_reflection(thin_facets(b), wo, wi));
     *glossy = rgb_mul(*glossy, b->specular);
 }
 
@@ -57,8 +59,8 @@ static rgb thin_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_m
     float f = diffuse_transmission(b) * (1.0f / PI_F);
     if (b->spec_trans > 0.0f && lit_from_behind(eye, light)) {
         vec3 w = mirrored(light);
-        float t = 1.0f - fresnel_dielectric(facet_cosine(eye, w), b->ior, NULL);
-        f += b->spec_trans * t * microfacet_reflection(narrowed(b), eye, w);
+        float t = 1.0f - brdf_fresnel_dielectric(facet_cosine(eye, w), b->ior, NULL);
+        f += b->spec_trans * t * brdf_microfacet_reflection(narrowed(b), eye, w);
     }
     return rgb_mul(rgb_scale(b->diffuse, f), b->transmittance);
 }
@@ -81,12 +83,13 @@ static void thin_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, flo
     thin_choose(b, lobes, &reflect, &pass);
     *diffuse = maxf(wi.z, 0.0f) * (1.0f / PI_F);
     if (wi.z > 0.0f) {
-        *glossy =
-            reflect > 0.0f ? reflect * microfacet_reflection_pdf(thin_facets(b), wo, wi) : 0.0f;
+        *glossy = reflect > 0.0f ? reflect * brdf_microfacet_reflection_pdf(thin_facets(b), wo, wi)
+                                 : 0.0f;
         return;
     }
     *glossy = (1.0f - reflect - pass) * -wi.z * (1.0f / PI_F);
-    if (pass > 0.0f) *glossy += pass * microfacet_reflection_pdf(narrowed(b), wo, mirrored(wi));
+    if (pass > 0.0f)
+        *glossy += pass * brdf_microfacet_reflection_pdf(narrowed(b), wo, mirrored(wi));
 }
 
 static bool thin_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
@@ -96,11 +99,11 @@ static bool thin_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, v
     mirror_up(&wo, wi);
     thin_choose(b, lobes, &reflect, &pass);
     if (u.x < reflect) {
-        if (!microfacet_reflect(thin_facets(b), wo, u.y, u.z, wi)) return false;
+        if (!brdf_microfacet_reflect(thin_facets(b), wo, u.y, u.z, wi)) return false;
     } else {
         if (u.x >= reflect + pass)
             *wi = sample_cosine_hemisphere(u.y, u.z);
-        else if (!microfacet_reflect(narrowed(b), wo, u.y, u.z, wi))
+        else if (!brdf_microfacet_reflect(narrowed(b), wo, u.y, u.z, wi))
             return false;
         wi->z = -wi->z;
     }
@@ -109,11 +112,11 @@ static bool thin_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, v
 }
 
 static rgb thin_diffuse_albedo(const struct brdf *b, vec3 wo) {
-    return burley_diffuse_albedo(b, fabsf(wo.z), diffuse_reflection(b), diffuse_reflection(b));
+    return brdf_burley_diffuse_albedo(b, fabsf(wo.z), diffuse_reflection(b), diffuse_reflection(b));
 }
 
 static rgb thin_glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
-    float f = fresnel_dielectric(maxf(fabsf(wo.z), 0.05f), b->ior, NULL);
+    float f = brdf_fresnel_dielectric(maxf(fabsf(wo.z), 0.05f), b->ior, NULL);
     if (lobe == BRDF_GLOSSY) return rgb_grey(b->spec_trans * f);
     return rgb_scale(b->diffuse, b->spec_trans * (1.0f - f) + diffuse_transmission(b));
 }
@@ -137,7 +140,7 @@ const struct brdf_model brdf_model_principledthin = {
              1u << BRDF_SLOT_IOR,
     .transmits = true,
     .thin = true,
-    .prepare = burley_prepare,
+    .prepare = brdf_burley_prepare,
     .eval = thin_eval,
     .through = thin_transmission,
     .pdf = thin_pdf,

@@ -6,9 +6,9 @@
 // each panel and periodic in the azimuth, so Gauss' rule and equidistant azimuths converge fast.
 #include "brdf/brdf_project.h"
 
-void project_rule_make(struct project_rule *rule) {
+void brdf_project_rule_make(struct project_rule *rule) {
     struct quadrature gauss;
-    quadrature_gauss(&gauss, PROJECT_NODES);
+    brdf_quadrature_gauss(&gauss, PROJECT_NODES);
     for (int p = 0, k = 0; p < PROJECT_PANELS; p++) {
         double hi = ldexp(1.0, p + 1 - PROJECT_PANELS), lo = p ? 0.5 * hi : 0.0;
         for (int i = 0; i < PROJECT_NODES; i++, k++) {
@@ -55,9 +55,9 @@ static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror_sym
     return norm;
 }
 
-double project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
-                      int channels, const struct project_rule *rule, struct project_points *points,
-                      float *c) {
+double brdf_project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
+                           int channels, const struct project_rule *rule,
+                           struct project_points *points, float *c) {
     struct mirror_symmetry m = mirror_of(wo);
     int azimuths = half ? PROJECT_AZIMUTHS + 1 : 2 * PROJECT_AZIMUTHS;
     double norm = 0.0;

@@ -19,7 +19,7 @@ struct project_rule {
     float x[PROJECT_PANELS * PROJECT_NODES], weight[PROJECT_PANELS * PROJECT_NODES];
 };
 
-void project_rule_make(struct project_rule *rule);
+void brdf_project_rule_make(struct project_rule *rule);
 
 // Directions and values of one projection, for use as scratch.
 struct project_points {
@@ -35,8 +35,8 @@ struct project_points {
 // channels. wo.z > 0. With `half`, the lobe is assumed to be even in y (wo.y = 0, and an isotropic
 // model or one with its axes along x and y), which takes half the time and leaves c of m < 0
 // without meaning.
-double project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
-                      int channels, const struct project_rule *rule, struct project_points *points,
-                      float *c);
+double brdf_project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
+                           int channels, const struct project_rule *rule,
+                           struct project_points *points, float *c);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-void quadrature_gauss(struct quadrature *rule, int count) {
+void brdf_quadrature_gauss(struct quadrature *rule, int count) {
     rule->count = count;
     for (int i = 0; i < (count + 1) / 2; i++) {
         double z = cos(M_PI * (i + 0.75) / (count + 0.5)), slope = 1.0, step;

@@ -12,6 +12,6 @@ struct quadrature {
 
 // Computes the rule of `count` nodes, 1 to QUADRATURE_MAX, which is exact for polynomials of degree
 // 2 count - 1.
-void quadrature_gauss(struct quadrature *rule, int count);
+void brdf_quadrature_gauss(struct quadrature *rule, int count);
 
 #endif

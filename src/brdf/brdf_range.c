@@ -50,7 +50,7 @@ satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness 
             at.alpha_v = value;
         status = brdf_table_build(&at, fit, pool, &r->rung[i]);
         if (status != SATIN_OK) break;
-        int channels = brdf_table_info(r->rung[i]).channels;
+        int channels = brdf_table_describe(r->rung[i]).channels;
         if (channels > r->channels) r->channels = channels;
     }
     if (status != SATIN_OK)
@@ -117,10 +117,10 @@ int brdf_range_lookup(const struct brdf_range *r, const struct brdf *b, vec3 wo,
     return order;
 }
 
-struct brdf_table_info brdf_range_info(const struct brdf_range *r) {
+struct brdf_table_info brdf_range_describe(const struct brdf_range *r) {
     struct brdf_table_info sum = {.channels = r->channels};
     for (int i = 0; i < r->count; i++) {
-        struct brdf_table_info info = brdf_table_info(r->rung[i]);
+        struct brdf_table_info info = brdf_table_describe(r->rung[i]);
         if (info.order > sum.order) sum.order = info.order;
         sum.fraction += info.fraction / (float)r->count;
         sum.bytes += info.bytes;

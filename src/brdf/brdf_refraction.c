@@ -4,7 +4,7 @@
 
 #include "brdf/brdf_fresnel.h"
 
-struct refraction refraction_at(struct microfacet facets, float ior, vec3 *wo, vec3 *wi) {
+struct refraction brdf_refraction_at(struct microfacet facets, float ior, vec3 *wo, vec3 *wi) {
     if (wo->z > 0.0f) return (struct refraction){facets, ior};
     wo->z = -wo->z;
     wi->z = -wi->z;
@@ -29,36 +29,38 @@ static float jacobian(const struct refraction *at, float co, float ci) {
     return -sqrf(at->eta) * ci / sqrf(co + at->eta * ci);
 }
 
-float refraction_value(const struct refraction *at, vec3 wo, vec3 wi, enum brdf_mode mode) {
+float brdf_refraction_value(const struct refraction *at, vec3 wo, vec3 wi, enum brdf_mode mode) {
     vec3 n;
     float co, ci;
     if (!find_facet(at, wo, wi, &n, &co, &ci)) return 0.0f;
-    float t = (1.0f - fresnel_dielectric(co, at->eta, NULL)) * microfacet_d(at->facets, n);
-    t *= microfacet_g1(at->facets, wo) * microfacet_g1(at->facets, v3(wi.x, wi.y, -wi.z));
+    float t =
+        (1.0f - brdf_fresnel_dielectric(co, at->eta, NULL)) * brdf_microfacet_d(at->facets, n);
+    t *= brdf_microfacet_g1(at->facets, wo) * brdf_microfacet_g1(at->facets, v3(wi.x, wi.y, -wi.z));
     t *= jacobian(at, co, ci) * co / (wo.z * -wi.z);
     // Radiance is compressed to a smaller solid angle on the denser side.
     return mode == BRDF_RADIANCE ? t / sqrf(at->eta) : t;
 }
 
-float refraction_pdf(const struct refraction *at, vec3 wo, vec3 wi, float *f) {
+float brdf_refraction_pdf(const struct refraction *at, vec3 wo, vec3 wi, float *f) {
     vec3 n;
     float co, ci;
     *f = 1.0f;
     if (!find_facet(at, wo, wi, &n, &co, &ci)) return 0.0f;
-    *f = fresnel_dielectric(co, at->eta, NULL);
+    *f = brdf_fresnel_dielectric(co, at->eta, NULL);
     if (*f >= 1.0f) return 0.0f;
-    float visible = microfacet_d(at->facets, n) * microfacet_g1_exact(at->facets, wo) * co / wo.z;
+    float visible =
+        brdf_microfacet_d(at->facets, n) * brdf_microfacet_g1_exact(at->facets, wo) * co / wo.z;
     return visible * jacobian(at, co, ci);
 }
 
-bool refraction_follow(const struct refraction *at, vec3 wo, vec3 n, bool refract, vec3 *wi) {
+bool brdf_refraction_follow(const struct refraction *at, vec3 wo, vec3 n, bool refract, vec3 *wi) {
     float co = v3_dot(wo, n), ct;
     if (!(co > 0.0f)) return false;
     if (!refract) {
         *wi = v3_mad(v3_neg(wo), 2.0f * co, n);
         return wi->z > 0.0f;
     }
-    if (fresnel_dielectric(co, at->eta, &ct) >= 1.0f) return false;
+    if (brdf_fresnel_dielectric(co, at->eta, &ct) >= 1.0f) return false;
     *wi = v3_mad(v3_mul(wo, -1.0f / at->eta), co / at->eta + ct, n);
     return wi->z < 0.0f;
 }

@@ -15,14 +15,14 @@ struct refraction {
 };
 
 // Mirrors both directions at the surface if wo is below. `ior` is that below over that above.
-struct refraction refraction_at(struct microfacet facets, float ior, vec3 *wo, vec3 *wi);
+struct refraction brdf_refraction_at(struct microfacet facets, float ior, vec3 *wo, vec3 *wi);
 
 // f_t [sr^-1] without colour, for wo above and wi below.
-float refraction_value(const struct refraction *at, vec3 wo, vec3 wi, enum brdf_mode mode);
+float brdf_refraction_value(const struct refraction *at, vec3 wo, vec3 wi, enum brdf_mode mode);
 // The density with which refraction at a visible facet draws wi; *f is set to the reflectance of
 // the facet. 0 if no facet refracts wo to wi.
-float refraction_pdf(const struct refraction *at, vec3 wo, vec3 wi, float *f);
+float brdf_refraction_pdf(const struct refraction *at, vec3 wo, vec3 wi, float *f);
 // Refracts or reflects wo at the facet n. False if the result is on the wrong side.
-bool refraction_follow(const struct refraction *at, vec3 wo, vec3 n, bool refract, vec3 *wi);
+bool brdf_refraction_follow(const struct refraction *at, vec3 wo, vec3 n, bool refract, vec3 *wi);
 
 #endif

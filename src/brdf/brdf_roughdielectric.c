@@ -5,22 +5,24 @@
 #include "brdf/brdf_refraction.h"
 
 static struct refraction rough_boundary(const struct brdf *b, vec3 *wo, vec3 *wi) {
-    return refraction_at(microfacet_make(b->distribution, b->alpha_u, b->alpha_v, b->alpha_least),
-                         b->ior, wo, wi);
+    return brdf_refraction_at(
+        brdf_microfacet_make(b->distribution, b->alpha_u, b->alpha_v, b->alpha_least), b->ior, wo,
+        wi);
 }
 
 static void roughdielectric_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse,
                                  rgb *glossy) {
     struct refraction at = rough_boundary(b, &wo, &wi);
     float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
-    float f = fresnel_dielectric(cos_d, at.eta, NULL) * microfacet_reflection(at.facets, wo, wi);
+    float f = brdf_fresnel_dielectric(cos_d, at.eta, NULL) *
+              brdf_microfacet_reflection(at.facets, wo, wi);
     *diffuse = rgb_grey(0.0f);
     *glossy = rgb_scale(b->specular, f);
 }
 
 static rgb rough_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
     struct refraction at = rough_boundary(b, &wo, &wi);
-    return rgb_scale(b->transmittance, refraction_value(&at, wo, wi, mode));
+    return rgb_scale(b->transmittance, brdf_refraction_value(&at, wo, wi, mode));
 }
 
 static void roughdielectric_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
@@ -30,11 +32,11 @@ static void roughdielectric_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned
     *diffuse = 0.0f;
     if (wi.z > 0.0f) {
         float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
-        *glossy = microfacet_reflection_pdf(at.facets, wo, wi) *
-                  (both ? fresnel_dielectric(cos_d, at.eta, NULL) : 1.0f);
+        *glossy = brdf_microfacet_reflection_pdf(at.facets, wo, wi) *
+                  (both ? brdf_fresnel_dielectric(cos_d, at.eta, NULL) : 1.0f);
     } else {
         float f;
-        *glossy = refraction_pdf(&at, wo, wi, &f);
+        *glossy = brdf_refraction_pdf(&at, wo, wi, &f);
         if (both) *glossy *= 1.0f - f;
     }
 }
@@ -46,11 +48,11 @@ static bool roughdielectric_sample(const struct brdf *b, vec3 wo, unsigned lobes
     const bool below = wo.z < 0.0f;
     *wi = v3(0, 0, 0);
     struct refraction at = rough_boundary(b, &wo, wi);
-    vec3 n = microfacet_sample(at.facets, wo, u.y, u.z);
+    vec3 n = brdf_microfacet_sample(at.facets, wo, u.y, u.z);
     bool reflect = lobes & BRDF_GLOSSY;
     if (reflect && lobes & BRDF_THROUGH)
-        reflect = u.x < fresnel_dielectric(v3_dot(wo, n), at.eta, NULL);
-    if (!refraction_follow(&at, wo, n, !reflect, wi)) return false;
+        reflect = u.x < brdf_fresnel_dielectric(v3_dot(wo, n), at.eta, NULL);
+    if (!brdf_refraction_follow(&at, wo, n, !reflect, wi)) return false;
     if (below) wi->z = -wi->z;
     return true;
 }

@@ -65,7 +65,7 @@ static vec3 node_direction(const struct brdf_table *t, size_t node) {
 }
 
 // The power of light in a coefficient of band l, relative to band 0.
-static double light_power(int l) { return 1.0 / ((l + 1.0) * (l + 1.0) * (l + 1.0)); }
+static double band_power(int l) { return 1.0 / ((l + 1.0) * (l + 1.0) * (l + 1.0)); }
 
 // The least order with a small enough error of the reflected radiance; if there is none, the
 // largest or 0, as the fit says. The part
@@ -81,10 +81,10 @@ static int least_order(const struct brdf_fit *fit, int channels, const float *c,
             for (int m = l * l; m < (l + 1) * (l + 1); m++)
                 band[l] += (double)sqrf(c[channel * max_order * max_order + m]);
         rest -= band[l];
-        band[l] *= light_power(l);
+        band[l] *= band_power(l);
         all += band[l];
     }
-    all += fmax(rest, 0.0) * light_power(max_order);
+    all += fmax(rest, 0.0) * band_power(max_order);
     missing = all;
     for (int l = 0; l < max_order; l++) {
         missing -= band[l];
@@ -109,8 +109,8 @@ static void build_nodes(void *ctx, size_t begin, size_t end, int worker) {
         float c[3 * ORDER_MAX * ORDER_MAX] = {0};
         if (!node_in_use(t, node)) continue;
         vec3 wo = node_direction(t, node);
-        double norm = project_glossy(b->brdf, wo, t->isotropic, t->basis, t->max_order, t->channels,
-                                     &b->rule, b->points + worker, c);
+        double norm = brdf_project_glossy(b->brdf, wo, t->isotropic, t->basis, t->max_order,
+                                          t->channels, &b->rule, b->points + worker, c);
         float *out = t->c + node * (size_t)t->channels * t->stride;
         for (int channel = 0; channel < t->channels; channel++, out += t->stride)
             for (int l = 0, k = 0; l < t->max_order; l++)
@@ -163,7 +163,7 @@ satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
     struct brdf_table *t =
         table_new(&white, fit->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, max_order);
     struct table_build build = {.brdf = &white, .table = t, .fit = fit};
-    project_rule_make(&build.rule);
+    brdf_project_rule_make(&build.rule);
     build.points = array_new((size_t)parallel_threads(pool), sizeof *build.points);
     satin_status status = t && build.points ? SATIN_OK : SATIN_ERROR_MEMORY;
     struct parallel_results nodes = {.journaled = true};
@@ -295,7 +295,7 @@ int brdf_table_lookup(const struct brdf_table *table, vec3 wo, float *c) {
 
 int brdf_table_channels(const struct brdf_table *table) { return table->channels; }
 
-struct brdf_table_info brdf_table_info(const struct brdf_table *t) {
+struct brdf_table_info brdf_table_describe(const struct brdf_table *t) {
     struct brdf_table_info info = {.channels = t->channels};
     info.bytes =
         sizeof *t + t->nodes * (sizeof *t->order + (size_t)t->channels * t->stride * sizeof *t->c);

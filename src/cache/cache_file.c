@@ -148,7 +148,7 @@ satin_status cache_save(const struct cache *cache, const struct cache_provenance
 
 // Adds the next head to the tree. SATIN_ERROR_INPUT if the tree cannot hold it, because it is far
 // from all surfaces.
-static satin_status load_head(struct cache_tree *tree, const unsigned char *row) {
+static satin_status read_head(struct cache_tree *tree, const unsigned char *row) {
     struct cache_head head;
     memcpy(&head, row, sizeof head);
     const vec3 d = v3_sub(head.p, tree->lo);
@@ -159,7 +159,7 @@ static satin_status load_head(struct cache_tree *tree, const unsigned char *row)
     return cache_tree_insert(tree, &head) ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
-static satin_status load_records(struct cache *c, enum cache_kind kind,
+static satin_status read_records(struct cache *c, enum cache_kind kind,
                                  const struct cache_file *f) {
     const enum cache_section heads = cache_file_heads(kind), values = cache_file_values(kind);
     const size_t bytes = cache_file_row(values, f->header.order);
@@ -168,7 +168,7 @@ static satin_status load_records(struct cache *c, enum cache_kind kind,
     for (size_t i = 0; i < f->rows[values] && status == SATIN_OK; i++) {
         memcpy(row, f->section[values] + i * bytes, bytes);
         if (!row_of[kind].get(c, i, row)) return SATIN_ERROR_MEMORY;
-        status = load_head(&c->store[kind].tree, f->section[heads] + i * sizeof(struct cache_head));
+        status = read_head(&c->store[kind].tree, f->section[heads] + i * sizeof(struct cache_head));
     }
     return status;
 }
@@ -181,7 +181,7 @@ satin_status cache_load(struct cache *cache, const struct cache_file *file, cons
                         name, file->header.order, cache->store[CACHE_RADIANCE].order);
     satin_status status = SATIN_OK;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++)
-        status = load_records(cache, k, file);
+        status = read_records(cache, k, file);
     if (status == SATIN_ERROR_INPUT)
         return log_fail(log, status, "%s: a cache record lies far outside the scene", name);
     if (status == SATIN_OK) cache->rays = file->header.rays;

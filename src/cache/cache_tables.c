@@ -22,7 +22,8 @@ static bool textures_roughness_only(const struct material_side *side, struct brd
             i != BRDF_SLOT_EXPONENT)
             return false;
     over->slot = side->slot[BRDF_SLOT_ALPHA_U] ? BRDF_SLOT_ALPHA_U : BRDF_SLOT_EXPONENT;
-    return side->slot[over->slot] && texture_range(side->slot[over->slot], &over->lo, &over->hi);
+    return side->slot[over->slot] &&
+           scene_texture_range(side->slot[over->slot], &over->lo, &over->hi);
 }
 
 enum table_choice { BY_ERROR, CACHED, SAMPLED };
@@ -51,7 +52,7 @@ static satin_status build_side(const struct material_side *side, const satin_opt
     const bool textured = cache_shape_textured(side);
     if (textured && !textures_roughness_only(side, &over)) return SATIN_OK;
     satin_status status = brdf_range_build(&side->base, textured ? &over : NULL, &fit, pool, out);
-    if (status == SATIN_OK && brdf_range_info(*out).order == 0) {
+    if (status == SATIN_OK && brdf_range_describe(*out).order == 0) {
         brdf_range_free(*out);
         *out = NULL;
     }
@@ -99,7 +100,7 @@ static void build_table(void *ctx, const struct material_side *side) {
     if (b->status != SATIN_OK && b->status != SATIN_CANCELLED)
         log_fail(b->log, b->status, "cannot represent BRDF '%s' in harmonics", b->material);
     if (!t->table[i]) return;
-    struct brdf_table_info info = brdf_range_info(t->table[i]);
+    struct brdf_table_info info = brdf_range_describe(t->table[i]);
     t->channels[i] = info.channels;
     if (info.order > t->order) t->order = info.order;
 }
@@ -128,7 +129,7 @@ satin_status cache_tables_build(const struct satin_scene *scene, const satin_opt
     for (uint32_t i = 0; t->count && i < scene->material_count && b.status == SATIN_OK; i++) {
         b.material = scene->material[i].name;
         b.choice = material_choice(options, b.material);
-        if (used[i]) material_visit(&scene->material[i], build_table, &b);
+        if (used[i]) scene_material_visit(&scene->material[i], build_table, &b);
     }
     free(used);
     free(b.first);

@@ -65,9 +65,10 @@ struct fill_sites {
 // then the records of earlier batches are in the cache.
 satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites);
 
-// Adapts the records of a kind to sites that are covered [K05 6.3] (fill_adaptive.c): where records
-// that are read at accuracy read_a disagree perceptibly, the scales of the farthest ones are
-// lowered, and new records fill the gaps, until none disagree. Returns the status as fill_records.
+// Adapts the records of a kind to sites that are covered [K05 6.3] (fill_adaptive_cache.c): where
+// records that are read at accuracy read_a disagree perceptibly, the scales of the farthest ones
+// are lowered, and new records fill the gaps, until none disagree. Returns the status as
+// fill_records.
 satin_status fill_adapt(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites,
                         float read_a);
 

@@ -155,7 +155,7 @@ static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), r
 
 // Averages the job's irradiance, which was computed from the hemisphere, with that of all the rays
 // of the options, which replace those of the hemisphere.
-static void gather_more(const struct batch *b, struct job *job, const struct gathering *from) {
+static void add_all_rays(const struct batch *b, struct job *job, const struct gathering *from) {
     const struct fill *f = b->fill;
     struct gather_hemisphere *hemisphere = from->worker->hemisphere;
     struct cache_irradiance_value more, *first = &job->found.irradiance;
@@ -186,7 +186,7 @@ static struct cache_residual find_residual(const struct batch *b, const struct j
 
 static bool make_irradiance(const struct batch *b, struct job *job, const struct gathering *from) {
     gather_hemisphere_irradiance(b->fill->g, from->worker->hemisphere, &job->found.irradiance);
-    if (job->found.around.deviation > UNSURE) gather_more(b, job, from);
+    if (job->found.around.deviation > UNSURE) add_all_rays(b, job, from);
     if (!fill_valid_irradiance(&job->found.irradiance, &job->found.around)) return false;
     job->found.extent =
         fill_extent_irradiance(b->fill, job->site, &job->found.around, &job->found.irradiance);
@@ -228,7 +228,7 @@ static bool allocate_values(struct batch *b) {
 
 // Gathers the jobs [begin, end) of a batch. A record that is not finite or out of range is gathered
 // again with other random numbers.
-static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
+static void make_records(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     const struct fill *f = b->fill;
     const struct gather_worker *w = &f->worker[worker];
@@ -364,7 +364,7 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
         parallel_begin_part(fill->pool, "gather");
         if (whole && !allocate_values(b)) status = SATIN_ERROR_MEMORY;
         if (status != SATIN_OK) break;
-        whole = whole && parallel_for_results(fill->pool, (size_t)b->count, 1, gather_jobs, b,
+        whole = whole && parallel_for_results(fill->pool, (size_t)b->count, 1, make_records, b,
                                               &jobs_results);
         parallel_begin_part(fill->pool, "insert");
         if (!whole) status = SATIN_CANCELLED;

@@ -2,7 +2,7 @@
 // The criterion of adaptive caching [K05 6.3.1, 6.4]: whether the light of the records at a point
 // differs perceptibly, by Weber's law on direct and indirect light and by more than their noise,
 // and which of the records are to be shrunk.
-#include "fill/fill_adaptive.h"
+#include "fill/fill_adaptive_cache.h"
 
 // The relative difference that is perceptible by Weber's law, as is widely used in computer
 // graphics [K05 6.4].

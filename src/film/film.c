@@ -58,7 +58,7 @@ float *film_channel(struct satin_film *film, const char *name) {
     return NULL;
 }
 
-bool film_is_matte(const char *channel) {
+bool film_is_cryptomatte(const char *channel) {
     static const char *const layer[] = {"CryptoObject", "CryptoMaterial"};
     for (int i = 0; i < 2; i++) {
         const size_t n = strlen(layer[i]);

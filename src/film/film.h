@@ -41,7 +41,7 @@ struct satin_film *film_new(int width, int height, const char *const *channel_na
                             int channel_count);
 float *film_channel(struct satin_film *film, const char *name);  // NULL if there is none
 // Whether a channel is of a Cryptomatte layer, whose values are ids and coverages.
-bool film_is_matte(const char *channel);
+bool film_is_cryptomatte(const char *channel);
 // Adds or replaces an attribute. False if there is no memory.
 bool film_attribute_set(struct satin_film *film, const char *name, const char *value);
 const char *film_attribute_get(const struct satin_film *film, const char *name);

@@ -66,7 +66,7 @@ static satin_status run_filter(const struct film_denoiser *d, const struct film_
     status = device_status(d, true, broken, log);
     if (status == SATIN_OK) {
         char text[OIDN_TEXT];
-        const int error = oidn_execute(oidn, d->device, filter, goes_on, user, text);
+        const int error = film_oidn_execute(oidn, d->device, filter, goes_on, user, text);
         status = status_of(error, text, broken, log);
     }
     oidn->ReleaseFilter(filter);
@@ -87,7 +87,7 @@ static rgb clamp_color(rgb value, float most) {
 
 // The power of two nearest to the logarithmic mean of all pixels that are not black; 0: all are
 // black.
-static float light_scale(const rgb *light, size_t pixels) {
+static float mean_scale(const rgb *light, size_t pixels) {
     double sum = 0.0;
     size_t count = 0;
     for (size_t i = 0; i < pixels; i++) {
@@ -113,7 +113,7 @@ static void clamp_auxiliary(const struct film_noisy *image, size_t pixels) {
 satin_status film_denoise(struct film_denoiser *denoiser, const struct film_noisy *image,
                           bool (*goes_on)(void *user, double done), void *user, struct log log) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
-    const float scale = light_scale(image->light, pixels), most = scale * BRIGHTEST;
+    const float scale = mean_scale(image->light, pixels), most = scale * BRIGHTEST;
     for (size_t i = 0; i < pixels; i++)
         image->denoised[i] = scale > 0.0f
                                  ? rgb_scale(clamp_color(image->light[i], most), 1.0f / scale)
@@ -175,7 +175,7 @@ static satin_status open_device(struct film_denoiser *d, int threads, struct log
 satin_status film_denoiser_open(int threads, struct log log, struct film_denoiser **out) {
     struct film_denoiser *d = calloc(1, sizeof *d);
     if (!d) return SATIN_ERROR_MEMORY;
-    satin_status status = oidn_open(log, &d->oidn);
+    satin_status status = film_oidn_open(log, &d->oidn);
     if (status == SATIN_OK) status = open_device(d, threads, log);
     if (status == SATIN_OK) status = test_denoiser(d, log);
     if (status == SATIN_OK)

@@ -152,7 +152,7 @@ static bool is_color(const char *name, size_t *layer) {
     *layer = length - 1;
     if (length == 0 || !strchr("RGBA", name[length - 1])) return false;
     if (length > 1 && name[length - 2] != '.') return false;
-    return strncmp(name, "variance.", 9) != 0 && !film_is_matte(name);
+    return strncmp(name, "variance.", 9) != 0 && !film_is_cryptomatte(name);
 }
 
 // Whether half floats hold the values about as exactly as they hold numbers of their normal range.

@@ -56,7 +56,7 @@ static bool find_functions(void *library, struct oidn *out, const char **missing
     return true;
 }
 
-satin_status oidn_open(struct log log, struct oidn *out) {
+satin_status film_oidn_open(struct log log, struct oidn *out) {
     const char *named = getenv("SATIN_OIDN"), *missing;
     char found[PATH_MAX];
     const size_t paths = sizeof oidn_paths / sizeof *oidn_paths;
@@ -142,8 +142,9 @@ static void report_progress(struct filter_run *run, bool (*goes_on)(void *user, 
     pthread_mutex_unlock(&run->mutex);
 }
 
-int oidn_execute(const struct oidn *oidn, struct oidn_device *device, struct oidn_filter *filter,
-                 bool (*goes_on)(void *user, double done), void *user, char text[OIDN_TEXT]) {
+int film_oidn_execute(const struct oidn *oidn, struct oidn_device *device,
+                      struct oidn_filter *filter, bool (*goes_on)(void *user, double done),
+                      void *user, char text[OIDN_TEXT]) {
     struct filter_run run = {.oidn = oidn,
                              .device = device,
                              .filter = filter,

@@ -53,14 +53,15 @@ struct oidn {
 // Opens the library: only the file that the environment variable SATIN_OIDN names, if it is set;
 // else the one that `./bootstrap denoiser` installed in the build folder, or the system's.
 // SATIN_ERROR_INPUT, with one logged line, if there is none or if it is not version 2.
-satin_status oidn_open(struct log log, struct oidn *out);
+satin_status film_oidn_open(struct log log, struct oidn *out);
 
 enum { OIDN_TEXT = 256 };
 
 // Commits and executes a filter. Returns the first error since the last call of GetDeviceError,
 // with its message in `text`. Meanwhile `goes_on` (may be NULL) is called on this thread with the
 // fraction that is done; false cancels.
-int oidn_execute(const struct oidn *oidn, struct oidn_device *device, struct oidn_filter *filter,
-                 bool (*goes_on)(void *user, double done), void *user, char text[OIDN_TEXT]);
+int film_oidn_execute(const struct oidn *oidn, struct oidn_device *device,
+                      struct oidn_filter *filter, bool (*goes_on)(void *user, double done),
+                      void *user, char text[OIDN_TEXT]);
 
 #endif

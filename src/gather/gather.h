@@ -185,7 +185,7 @@ struct gather_single_clusters;
 struct gather_single_clusters *gather_single_find(const struct gather *g,
                                                   const struct shading_point *p, float pixel,
                                                   struct gather_singles *singles);
-// As brdf_sample for smooth lobes of the point, but some samples are directions to the clusters.
+// As brdf_sample_wi for smooth lobes of the point, but some samples are directions to the clusters.
 // pdf_w is the density of the direction by both.
 bool gather_single_sample(const struct gather_single_clusters *clusters,
                           const struct shading_point *p, unsigned lobes, float u_lobe, vec2 u,

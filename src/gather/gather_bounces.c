@@ -201,7 +201,7 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
     u_lobe /= branch.probability;
     if (branch.lobes == BRDF_DIFFUSE && path->cones)
         return gather_near_bounce(path->cones, y, v->E, u_lobe, u, out);
-    return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
+    return brdf_sample_wi(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
 }
 
 // Reads the estimate at the end z of a segment. First pass `recursive` has records instead.

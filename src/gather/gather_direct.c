@@ -43,7 +43,7 @@ static struct shading_point white_point(const struct brdf_model *diffuse, vec3 p
     return point;
 }
 
-static void light_entries(void *ctx, size_t begin, size_t end, int worker) {
+static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
     const struct direct_job *job = ctx;
     const struct gather *g = job->g;
     (void)worker;
@@ -91,7 +91,7 @@ static bool entries_agree(const struct direct_job *job, size_t i) {
         others++;
         noise2 = fmaxf(noise2, job->noise2[around[k]]);
     }
-    const float indirect = rgb_luminance(photon_irradiance_at(job->g->maps, i));
+    const float indirect = rgb_luminance(photon_irradiance_of_entry(job->g->maps, i));
     const float mean = 0.5f * (least + most) + indirect;
     if (is_brighter(job, i, others > 0 ? sum / (float)others : 0.0f)) return false;
     return most - least <= DIFFERS * mean + EVEN_DEVIATIONS * sqrtf(2.0f * noise2);
@@ -115,7 +115,7 @@ satin_status gather_direct_build(const struct gather *g, struct parallel *pool,
     satin_status status = SATIN_OK;
     if (!direct.E || !direct.similar || !noise2)
         status = SATIN_ERROR_MEMORY;
-    else if (!parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, light_entries, &job,
+    else if (!parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, sample_entries, &job,
                                    &lit) ||
              !parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &job))
         status = SATIN_CANCELLED;

@@ -80,7 +80,7 @@ void gather_near_probe(const struct gather *g, const struct gather_hits *hits, s
 
 // Draws a direction from which y reflects light by its diffuse lobe: by the lobe itself or to one
 // of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y. Otherwise as
-// brdf_sample; pdf_w is that of the lobe alone, for MIS with light samples.
+// brdf_sample_wi; pdf_w is that of the lobe alone, for MIS with light samples.
 bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out);
 

@@ -40,7 +40,7 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
 // The number of light samples at a point that is `depth` segments from the eye. For each sample of
 // progressive photon mapping new photons were traced too, so it takes all those of the options at
 // the first point.
-static int light_count(const struct gather *g, int depth) {
+static int count_light_samples(const struct gather *g, int depth) {
     return g->progressive && depth == 1 ? g->options->light_samples : 1;
 }
 
@@ -50,7 +50,7 @@ static void leave_point(const struct gather *g, const struct shading_point *from
     if (next->pdf_w > 0.0f) {
         walk->T = walk->rest;  // light samples found direct light
         walk->from = from->interaction.p;
-        walk->pdf_w = next->pdf_w / (float)light_count(g, walk->depth + 1);
+        walk->pdf_w = next->pdf_w / (float)count_light_samples(g, walk->depth + 1);
         walk->chain = light_chain_begin(d);
     } else {
         light_chain_pass(&walk->chain, g->scene, &from->interaction, v3_neg(walk->ray.d),
@@ -65,7 +65,7 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
     const unsigned lobes = rgb_black(walk->rest) ? BRDF_DELTA : BRDF_ALL;
-    if (!brdf_sample(&from->brdf, from->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next))
+    if (!brdf_sample_wi(&from->brdf, from->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next))
         return false;
     const vec3 d = frame_to_world(&from->frame, next.wi);
     leave_point(g, from, &next, d, walk);
@@ -88,9 +88,9 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
 
 // The light that is known at a point without continuing the path. `depth` is the number of segments
 // up to the point.
-static rgb light_at(const struct gather *g, const struct shading_point *p, int depth,
-                    struct sampler sampler) {
-    const int count = light_count(g, depth);
+static rgb known_light(const struct gather *g, const struct shading_point *p, int depth,
+                       struct sampler sampler) {
+    const int count = count_light_samples(g, depth);
     const struct gather_mis both = {depth, {{BRDF_ALL, 1.0f / (float)count}}};
     const struct gather_light_samples samples = {count, sampler.index * (uint32_t)count};
     const rgb direct = gather_sample_lights(g, p, both, samples, sampler, NULL);
@@ -118,7 +118,7 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
         const bool last = max_depth >= 0 && walk.depth + 1 >= max_depth;
         if (!hit || (last && (!eye || eye->hit))) break;
 
-        shading_point_make(g->scene, &s, walk.ray.d, &from);
+        scene_shading_point_make(g->scene, &s, walk.ray.d, &from);
         if (first && !(from.lobes & BRDF_SMOOTH)) first->ng = GATHER_NOTHING.ng;
         first = NULL;
         if (eye && !eye->hit) {
@@ -127,7 +127,7 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
         }
         if (last || !from.lobes) break;
         if (!rgb_black(walk.rest))
-            L = rgb_fma(L, walk.rest, light_at(g, &from, walk.depth + 1, *sampler));
+            L = rgb_fma(L, walk.rest, known_light(g, &from, walk.depth + 1, *sampler));
         sampler->dimension += 2;
     } while (bounce(g, &from, sampler, &walk));
     return L;

@@ -80,14 +80,14 @@ static float hit_weights(const struct gather *g, struct gather_hits *hits, size_
 // The number of light samples at a hit, if its direct light is not known: in proportion to what it
 // contributes, which gives the least variance, so that a bright hit with a single sample does not
 // outweigh all others. All hits together have at most twice as many samples as hits.
-static int light_samples(float bright, float mean) {
+static int samples_of_hit(float bright, float mean) {
     return bright > 1.5f * mean ? (int)(bright / mean + 0.5f) : 1;
 }
 
 // First passes `photons` and `precomputed`: computes the reflected radiance of the hits. Bounces
 // from those whose rays continue are guided to the clusters of `near`, which the hits complete.
-static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
-                       struct gather_near *near) {
+static void reflect_hits(const struct gather *g, struct gather_hits *hits, size_t count,
+                         struct gather_near *near) {
     const float discs = near ? near->discs : GATHER_NEAR_DISCS;
     look_up_hits(g, hits, count);
     for (size_t i = 0; i < count; i++) {
@@ -102,7 +102,7 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
         const struct gather_hit *hit = &hits->hit[i];
         const struct gather_estimate estimate = {hits->E[i], hits->reliable[i],
                                                  gather_direct_known(g, hits->entry[i]),
-                                                 light_samples(hits->bright[i], mean)};
+                                                 samples_of_hit(hits->bright[i], mean)};
         const struct gather_cones *cones = near ? &near->cones : NULL;
         const rgb L = gather_bounces(g, &hit->point, estimate, cones, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
@@ -116,7 +116,7 @@ static bool traces_segment(const struct gather *g, const struct gather_ray *ray)
 }
 
 // Stores what a ray's first segment has found: emitted light, and the radiance that the hit, if one
-// was `found`, reflects. True if that radiance is left to shade_hits.
+// was `found`, reflects. True if that radiance is left to reflect_hits.
 static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32_t seed,
                           const struct gather_segment *segment, bool found,
                           struct gather_hit *hit) {
@@ -179,7 +179,7 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                 gather_segment_trace(g, &start, &hit->sampler, &segment, &hit->point);
             found += store_segment(g, ray, seed, &segment, hits_surface, hit);
         }
-        shade_hits(g, hits, found, near);
+        reflect_hits(g, hits, found, near);
     }
 }
 

@@ -54,7 +54,7 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
         if (i == 0) out->first = (struct gather_first){s.t, s.ng};
         distance += s.t;
         s.footprint = start->spread * distance;
-        shading_point_make(g->scene, &s, ray.d, end);
+        scene_shading_point_make(g->scene, &s, ray.d, end);
         const float stop = end_probability(end), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
         if (u < stop) {
             out->T = rgb_scale(out->T, 1.0f / stop);
@@ -64,8 +64,8 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
         out->first.ng = GATHER_NOTHING.ng;
         struct brdf_sample next;
         const float rest = stop > 0.0f ? (u - stop) / (1.0f - stop) : u;
-        if (!end->lobes ||
-            !brdf_sample(&end->brdf, end->wo_l, rest, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
+        if (!end->lobes || !brdf_sample_wi(&end->brdf, end->wo_l, rest, 0.5f, 0.5f, BRDF_DELTA,
+                                           BRDF_RADIANCE, &next))
             return false;
         out->T = rgb_mul(out->T, rgb_scale(next.weight, 1.0f / (1.0f - stop)));
         light_chain_pass(&chain, g->scene, &s, v3_neg(ray.d), end->wo_l, &next);

@@ -49,7 +49,7 @@ static void find_clusters(const struct gather *g, const struct shading_point *p,
     if (!g->options->guide_clusters || !g->clusters) return;
     float radius;
     near->expected =
-        rgb_luminance(photon_irradiance(g->maps, g->scene, at.p, at.ng, &radius, NULL));
+        rgb_luminance(photon_irradiance_at(g->maps, g->scene, at.p, at.ng, &radius, NULL));
     const struct guide_cone *cone = near->cones.cone;
     struct gather_probe probe[GUIDE_PROBES];
     for (int i = 0; i < GUIDE_PROBES; i++) probe[i] = (struct gather_probe){at, near->expected};

@@ -15,7 +15,7 @@
 enum { ALLOCATION_BOUNCES = 3 };
 
 // The irradiance from the lights at the vertices of one path, in their order.
-struct light_tally {
+struct path_tally {
     int count;
     struct {
         uint32_t light;
@@ -24,26 +24,26 @@ struct light_tally {
                                       // sampled
 };
 
-struct light_paths {
+struct tally_paths {
     const struct satin_scene *scene;
     uint64_t seed;
-    struct light_tally path[GUIDE_VIEW_PATHS_MAX];
+    struct path_tally path[GUIDE_VIEW_PATHS_MAX];
 };
 
-static void add_arrival(struct light_tally *tally, uint32_t light, float E) {
+static void add_arrival(struct path_tally *tally, uint32_t light, float E) {
     if (!isfinite(E)) return;
     tally->found[tally->count].light = light;
     tally->found[tally->count++].E = E;
 }
 
 // Adds the irradiance at s from one light, chosen at random.
-static void add_direct(struct light_tally *tally, const struct satin_scene *scene,
+static void add_direct(struct path_tally *tally, const struct satin_scene *scene,
                        const struct interaction *s, vec3 n, float T, struct rng *rng) {
     const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
     float choice;
     struct light_sample sample;
     const uint32_t light = light_choose(scene, s->p, LIGHT_ALL_VISIBLE, u_choose, &choice);
-    if (!light_sample(scene, light, s->p, u, v, &sample)) return;
+    if (!light_sample_wi(scene, light, s->p, u, v, &sample)) return;
     const float cosine = v3_dot(sample.wi, n);
     if (!(cosine > 0.0f)) return;
     if (!light_arrives(scene, s->p, s->ng, INT_MAX, &sample)) return;
@@ -52,14 +52,14 @@ static void add_direct(struct light_tally *tally, const struct satin_scene *scen
 
 // Adds a light that the last ray has hit behind ideal specular surfaces other than panes, where
 // light samples cannot find it.
-static void add_met(struct light_tally *tally, const struct satin_scene *scene,
+static void add_met(struct path_tally *tally, const struct satin_scene *scene,
                     const struct ray *ray, const struct interaction *hit, float T) {
     const int light = hit ? hit->light : scene->environment;
     if (light < 0) return;
     add_arrival(tally, (uint32_t)light, T * PI_F * rgb_luminance(light_at_hit(scene, hit, ray->d)));
 }
 
-static void walk_path(struct light_tally *tally, const struct satin_scene *scene,
+static void walk_path(struct path_tally *tally, const struct satin_scene *scene,
                       struct interaction s, vec3 n, struct rng *rng) {
     float T = 1.0f;
     for (int i = 0; i < ALLOCATION_BOUNCES; i++) {
@@ -81,7 +81,7 @@ static void walk_path(struct light_tally *tally, const struct satin_scene *scene
 }
 
 static void trace_allocation(void *ctx, size_t begin, size_t end, int worker) {
-    struct light_paths *paths = ctx;
+    struct tally_paths *paths = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct rng rng = rng_make(paths->seed, RNG_ALLOCATION, i);
@@ -94,7 +94,7 @@ static void trace_allocation(void *ctx, size_t begin, size_t end, int worker) {
 
 void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, int paths,
                            struct parallel *pool, struct guide_allocation *out) {
-    struct light_paths traced = {.scene = scene, .seed = seed};
+    struct tally_paths traced = {.scene = scene, .seed = seed};
     double light[GUIDE_ALLOCATION_LIGHTS] = {0.0}, sum = 0.0;
     out->by_power = true;
     // With more lights than this the allocation would be mostly noise.

@@ -22,7 +22,7 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
     size_t count = 0;
     bool found = guide_view_eye(scene, i, &rng, &s, &n);
     while (found) {
-        bool through = material_transmits(&scene->material[s.material], s.light >= 0);
+        bool through = scene_material_transmits(&scene->material[s.material], s.light >= 0);
         out[count] = (struct guide_cell_point){s.p, s.ng, n, through};
         if (count++ == CELL_BOUNCES) break;
         const struct frame frame = frame_from_normal(n);

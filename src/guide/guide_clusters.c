@@ -62,7 +62,7 @@ static size_t make_leaves(const struct guide_photon *photon, struct split_point 
 }
 
 // Photons that one thread splits into leaves, and these leaves.
-struct photon_run {
+struct leaf_run {
     size_t begin, count;
     struct leaf *leaf;
     size_t leaves;
@@ -71,13 +71,13 @@ struct photon_run {
 struct tree_building {
     const struct guide_photon *photon;
     struct split_point *point;
-    struct photon_run *run;
+    struct leaf_run *run;
     struct leaf *leaf;
     struct task *task;
     struct guide_clusters *out;
 };
 
-static void fill_points(void *ctx, size_t begin, size_t end, int worker) {
+static void set_points(void *ctx, size_t begin, size_t end, int worker) {
     const struct tree_building *b = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
@@ -93,7 +93,7 @@ static void split_runs(void *ctx, size_t begin, size_t end, int worker) {
 static void make_leaves_of_runs(void *ctx, size_t begin, size_t end, int worker) {
     const struct tree_building *b = ctx;
     (void)worker;
-    for (struct photon_run *run = b->run + begin; run < b->run + end; run++)
+    for (struct leaf_run *run = b->run + begin; run < b->run + end; run++)
         run->leaves = make_leaves(b->photon, b->point + run->begin, run->count, run->leaf);
 }
 
@@ -101,16 +101,16 @@ static void make_leaves_of_runs(void *ctx, size_t begin, size_t end, int worker)
 // `b->run` for 2 count / RUN_PHOTONS + 1. Returns 0 if the pool was cancelled.
 static size_t make_all_leaves(struct tree_building *b, size_t count, struct parallel *pool) {
     size_t runs = 1, leaves = 0;
-    b->run[0] = (struct photon_run){.count = count};
-    bool whole = parallel_for(pool, count, CLUSTER_CHUNK, fill_points, b);
+    b->run[0] = (struct leaf_run){.count = count};
+    bool whole = parallel_for(pool, count, CLUSTER_CHUNK, set_points, b);
     for (; whole && b->run[runs - 1].count > RUN_PHOTONS; runs *= 2) {  // the first is the largest
         whole = parallel_for(pool, runs, 1, split_runs, b);
         for (size_t i = runs; i-- > 0;) {
-            const struct photon_run run = b->run[i];
+            const struct leaf_run run = b->run[i];
             const size_t left = run.count / 2;
-            b->run[2 * i] = (struct photon_run){.begin = run.begin, .count = left};
+            b->run[2 * i] = (struct leaf_run){.begin = run.begin, .count = left};
             b->run[2 * i + 1] =
-                (struct photon_run){.begin = run.begin + left, .count = run.count - left};
+                (struct leaf_run){.begin = run.begin + left, .count = run.count - left};
         }
     }
     for (size_t i = 0; i < runs; i++) b->run[i].leaf = b->leaf + 2 * b->run[i].begin / LEAF;

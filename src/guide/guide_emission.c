@@ -25,7 +25,7 @@ enum {
 #define BLIND_FRACTION 0.2f
 
 // The cells of one light: a grid over the unit hypercube.
-struct light_cells {
+struct emission_cells {
     uint32_t split[4];  // number of cells along each random number
     uint32_t total, kept;
     uint32_t *cell;  // a permutation: first the `kept` cells, then the others, each in ascending
@@ -35,7 +35,7 @@ struct light_cells {
 
 struct guide_emission {
     uint32_t light_count;
-    struct light_cells *light;
+    struct emission_cells *light;
     uint32_t *cells;  // cells of all lights
     struct light_aim aim;
 };
@@ -44,10 +44,10 @@ struct guide_emission {
 
 // Whether a shape, or a shape of the group of which it is an instance, has a delta lobe.
 static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
-    if (scene->shape[shape].kind != SHAPE_INSTANCE) return shape_has_delta(scene, shape);
+    if (scene->shape[shape].kind != SHAPE_INSTANCE) return scene_shape_has_delta(scene, shape);
     const struct shape_group *group = &scene->group[scene->shape[shape].instance_of];
     for (uint32_t i = group->first; i < group->first + group->count; i++)
-        if (shape_has_delta(scene, i)) return true;
+        if (scene_shape_has_delta(scene, i)) return true;
     return false;
 }
 
@@ -74,7 +74,7 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
 
 // Divides the emission of a light into at most `budget` cells, which are finer along the numbers
 // that matter most.
-static void split_light(const struct light *light, uint32_t budget, struct light_cells *cells) {
+static void split_light(const struct light *light, uint32_t budget, struct emission_cells *cells) {
     bool position =
         light->kind != LIGHT_POINT && light->kind != LIGHT_SPOT && light->kind != LIGHT_PROJECTOR;
     bool direction = light->kind != LIGHT_DIRECTIONAL && light->kind != LIGHT_BEAM;
@@ -91,14 +91,14 @@ static void split_light(const struct light *light, uint32_t budget, struct light
     }
 }
 
-static void cell_indices(const struct light_cells *cells, uint32_t cell, uint32_t at[4]) {
+static void cell_indices(const struct emission_cells *cells, uint32_t cell, uint32_t at[4]) {
     for (int k = 0; k < 4; k++) {
         at[k] = cell % cells->split[k];
         cell /= cells->split[k];
     }
 }
 
-static void cell_point(const struct light_cells *cells, uint32_t cell, float u[4]) {
+static void cell_point(const struct emission_cells *cells, uint32_t cell, float u[4]) {
     uint32_t at[4];
     cell_indices(cells, cell, at);
     for (int k = 0; k < 4; k++) u[k] = sample_stratum((int)at[k], u[k], (int)cells->split[k]);
@@ -121,7 +121,7 @@ static bool meets_delta(const struct emission_pilot *pilot, const float u[4]) {
 static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     const struct emission_pilot *pilot = ctx;
-    const struct light_cells *cells = &pilot->emission->light[pilot->light];
+    const struct emission_cells *cells = &pilot->emission->light[pilot->light];
     for (size_t c = begin; c < end; c++) {
         struct rng rng = rng_make(pilot->seed, RNG_GUIDE, (uint64_t)pilot->light << 32 | c);
         for (int i = 0; i < PILOT_RAYS && !pilot->met[c]; i++) {
@@ -135,7 +135,7 @@ static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-static bool is_near_met(const struct light_cells *cells, const uint8_t *met, uint32_t cell) {
+static bool is_near_met(const struct emission_cells *cells, const uint8_t *met, uint32_t cell) {
     if (met[cell]) return true;
     uint32_t at[4], step = 1;
     cell_indices(cells, cell, at);
@@ -147,7 +147,7 @@ static bool is_near_met(const struct light_cells *cells, const uint8_t *met, uin
     return false;
 }
 
-static void sort_cells(struct light_cells *cells, const uint8_t *met) {
+static void sort_cells(struct emission_cells *cells, const uint8_t *met) {
     cells->kept = 0;
     for (uint32_t c = 0; c < cells->total; c++)
         if (is_near_met(cells, met, c)) cells->cell[cells->kept++] = c;
@@ -157,7 +157,7 @@ static void sort_cells(struct light_cells *cells, const uint8_t *met) {
 }
 
 // The fraction of a light's paths that start in the kept cells.
-static float kept_fraction(const struct light_cells *cells) {
+static float kept_fraction(const struct emission_cells *cells) {
     if (cells->kept == 0) return 0.0f;
     return cells->kept == cells->total ? 1.0f : 1.0f - BLIND_FRACTION;
 }
@@ -168,12 +168,12 @@ static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t pat
                                    struct guide_emission *emission) {
     double kept = 0.0, all = 0.0;
     for (uint32_t i = 0; i < emission->light_count; i++) {
-        const struct light_cells *cells = &emission->light[i];
+        const struct emission_cells *cells = &emission->light[i];
         kept += (double)scene->light[i].power * cells->kept / cells->total;
         all += (double)scene->light[i].power;
     }
     for (uint32_t i = 0; i < emission->light_count; i++) {
-        struct light_cells *cells = &emission->light[i];
+        struct emission_cells *cells = &emission->light[i];
         double power = scene->light[i].power, fraction = power / all;
         if (kept > 0.0) fraction = 0.9 * power * cells->kept / cells->total / kept + 0.1 * fraction;
         uint64_t n = (uint64_t)llround(fraction * (double)paths);
@@ -259,7 +259,7 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
 // cell's first number. Together with the other numbers of the sequence, a net fills each cell.
 float guide_emission_warp(const struct guide_emission *emission, uint32_t light, uint64_t index,
                           float u[4]) {
-    const struct light_cells *cells = &emission->light[light];
+    const struct emission_cells *cells = &emission->light[light];
     uint64_t to_kept = (uint64_t)llround((double)kept_fraction(cells) * (double)cells->paths);
     bool kept = index < to_kept;
     uint64_t n = kept ? to_kept : cells->paths - to_kept, j = kept ? index : index - to_kept;

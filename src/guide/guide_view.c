@@ -101,7 +101,8 @@ bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct 
         if (brdf_lobes(&b) & BRDF_SMOOTH) return true;
         float u = rng_float(rng);
         const vec3 wo_l = frame_to_local(&frame, wo);
-        if (!brdf_sample(&b, wo_l, u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next)) return false;
+        if (!brdf_sample_wi(&b, wo_l, u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
+            return false;
         light_chain_pass(chain, scene, s, wo, wo_l, &next);
         *ray = scene_spawn(scene, s->p, s->ng, frame_to_world(&frame, next.wi));
     }
@@ -110,11 +111,12 @@ bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct 
 
 bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n) {
-    const struct film_spec *film = &scene->film;
+    const struct scene_film *film = &scene->film;
     const vec2 pixel = sample_sobol2(i, 0);
     const vec2 at = {(float)film->crop_x + pixel.x * (float)film->crop_width,
                      (float)film->crop_y + pixel.y * (float)film->crop_height};
-    struct ray ray = camera_ray(scene, camera_sample(scene, i), at, (vec2){0.5f, 0.5f}, NULL);
+    struct ray ray =
+        scene_camera_ray(scene, scene_camera_sample(scene, i), at, (vec2){0.5f, 0.5f}, NULL);
     struct light_chain chain;
     return guide_view_follow(scene, &ray, rng, s, n, &chain);
 }
@@ -153,7 +155,7 @@ static void trace_view(void *ctx, size_t begin, size_t end, int worker) {
         if (!path->hit) continue;
         path->end = s.p;
         path->length = s.t;
-        path->specular = shape_has_delta(scene, s.shape);
+        path->specular = scene_shape_has_delta(scene, s.shape);
     }
 }
 

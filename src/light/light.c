@@ -127,8 +127,8 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p,
 
 // ---- Sampling ---------------------------------------------------------------------------------
 
-bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
-                  struct light_sample *out) {
+bool light_sample_wi(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
+                     struct light_sample *out) {
     return light_sample_visible(scene, i, LIGHT_ALL_VISIBLE, p, u, v, out);
 }
 
@@ -177,8 +177,8 @@ rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, 
     if (s->light < 0 || !(v3_dot(s->ng, w) > 0.0f)) return rgb_grey(0.0f);
     const struct light *light = &scene->light[s->light];
     if (light->kind != LIGHT_AREA) return rgb_grey(0.0f);
-    struct texture_lookup at = interaction_texture_lookup(scene, s);
-    return light->texture ? texture_eval(light->texture, &at) : light->value;
+    struct texture_lookup at = scene_interaction_texture_lookup(scene, s);
+    return light->texture ? scene_texture_eval(light->texture, &at) : light->value;
 }
 
 rgb light_at_hit(const struct satin_scene *scene, const struct interaction *hit, vec3 d) {

@@ -87,9 +87,9 @@ satin_status light_prepare(struct satin_scene *scene, struct log log);
 
 // Draws a direction towards light i. False if the light cannot contribute. Visibility is not
 // tested.
-bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
-                  struct light_sample *out);
-// The density over solid angle at p with which light_sample of the light at s draws s.
+bool light_sample_wi(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
+                     struct light_sample *out);
+// The density over solid angle at p with which light_sample_wi of the light at s draws s.
 float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct interaction *s);
 // The radiance that s emits towards w (world, away from the surface); black if s is not on a light.
 rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, vec3 w);

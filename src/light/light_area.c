@@ -12,7 +12,7 @@ enum { FACES_MAX = 16 };  // a choice among faces costs about 5 ns for each
 static float normal_sign(const struct shape *shape) { return shape->flip_normals ? -1.0f : 1.0f; }
 
 static rgb area_radiance(const struct light *light, struct texture_lookup at) {
-    return light->texture ? texture_eval(light->texture, &at) : light->value;
+    return light->texture ? scene_texture_eval(light->texture, &at) : light->value;
 }
 
 // ---- Shapes -----------------------------------------------------------------------------------
@@ -23,9 +23,9 @@ struct triangle {
 
 static struct triangle triangle_get(const struct shape *shape, uint32_t i) {
     const uint32_t *index = shape->mesh.index + 3 * (size_t)i;
-    vec3 a = mesh_vertex(&shape->mesh, index[0]);
-    vec3 ab = v3_sub(mesh_vertex(&shape->mesh, index[1]), a);
-    vec3 ac = v3_sub(mesh_vertex(&shape->mesh, index[2]), a);
+    vec3 a = scene_mesh_vertex(&shape->mesh, index[0]);
+    vec3 ab = v3_sub(scene_mesh_vertex(&shape->mesh, index[1]), a);
+    vec3 ac = v3_sub(scene_mesh_vertex(&shape->mesh, index[2]), a);
     vec3 n = v3_cross(ab, ac);
     return (struct triangle){a, ab, ac, v3_mul(n, light_mesh_side(shape, index, n))};
 }
@@ -37,7 +37,7 @@ static struct light_point sphere_point(const struct light *light, const struct s
                               .pdf_a = 1.0f / shape->area};
     vec3 o = v3_unit(mat4_vector(&shape->to_object, outward));
     vec2 uv = {azimuth_fraction(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)};
-    out.L = area_radiance(light, texture_at(uv));
+    out.L = area_radiance(light, scene_texture_at(uv));
     return out;
 }
 
@@ -47,8 +47,8 @@ static struct light_point disk_point(const struct light *light, const struct sha
     vec3 n = v3_unit(mat4_normal(&shape->to_object, v3(0.0f, 0.0f, 1.0f)));
     return (struct light_point){
         mat4_point(&shape->to_world, v3(d.x, d.y, 0.0f)), v3_mul(n, normal_sign(shape)),
-        area_radiance(light,
-                      texture_at((vec2){sqrtf(d.x * d.x + d.y * d.y), azimuth_fraction(d.y, d.x)})),
+        area_radiance(light, scene_texture_at(
+                                 (vec2){sqrtf(d.x * d.x + d.y * d.y), azimuth_fraction(d.y, d.x)})),
         1.0f / shape->area};
 }
 
@@ -56,9 +56,9 @@ static struct light_point cylinder_point(const struct light *light, const struct
                                          float u, float v) {
     vec3 o = v3(cosf(2.0f * PI_F * u), sinf(2.0f * PI_F * u), 0.0f);
     vec3 n = v3_unit(mat4_normal(&shape->to_object, o));
-    return (struct light_point){mat4_point(&shape->to_world, v3(o.x, o.y, v)),
-                                v3_mul(n, normal_sign(shape)),
-                                area_radiance(light, texture_at((vec2){u, v})), 1.0f / shape->area};
+    return (struct light_point){
+        mat4_point(&shape->to_world, v3(o.x, o.y, v)), v3_mul(n, normal_sign(shape)),
+        area_radiance(light, scene_texture_at((vec2){u, v})), 1.0f / shape->area};
 }
 
 static float triangle_pdf(const struct shape *shape, uint32_t i, float normal_length) {
@@ -72,7 +72,7 @@ static struct light_point triangle_point(const struct light *light, const struct
     struct triangle t = triangle_get(shape, i);
     vec2 b = sample_triangle(u, v);
     struct texture_lookup at = {b, mesh, i, b, 0.0f};
-    if (light->texture) at.uv = mesh_uv(mesh, i, b);
+    if (light->texture) at.uv = scene_mesh_uv(mesh, i, b);
     float length = v3_len_wide(t.n);
     return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
                                 v3_mul(t.n, 1.0f / length), area_radiance(light, at),
@@ -83,7 +83,7 @@ static rgb face_radiance(const struct light *light, const struct mesh *mesh,
                          const struct light_face *face, vec3 q) {
     if (!light->texture) return light->value;
     const vec2 st = light_face_coordinates(face, q);
-    return area_radiance(light, texture_at(light_face_uv(face, mesh, st.x, st.y)));
+    return area_radiance(light, scene_texture_at(light_face_uv(face, mesh, st.x, st.y)));
 }
 
 struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
@@ -117,7 +117,7 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
     struct shape *shape = &scene->shape[light->shape];
     uint32_t n = shape->mesh.triangle_count, pairs = n / 2;
     // Without texture coordinates, or with an attribute, a texture is defined per triangle.
-    bool plain = !attribute_used(light->texture) && (!light->texture || shape->mesh.uv);
+    bool plain = !scene_attribute_used(light->texture) && (!light->texture || shape->mesh.uv);
     if (n == 2 * pairs && pairs > 0 && pairs <= FACES_MAX && plain) {
         struct light_face *face = arena_array(&scene->arena, pairs, sizeof *face);
         if (!face) return SATIN_ERROR_MEMORY;
@@ -146,8 +146,8 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
 static vec3 mesh_centre(const struct mesh *mesh) {
     vec3 lo = v3(INFINITY, INFINITY, INFINITY), hi = v3_neg(lo);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        lo = v3_min(lo, mesh_vertex(mesh, i));
-        hi = v3_max(hi, mesh_vertex(mesh, i));
+        lo = v3_min(lo, scene_mesh_vertex(mesh, i));
+        hi = v3_max(hi, scene_mesh_vertex(mesh, i));
     }
     return v3_mul(v3_add(lo, hi), 0.5f);
 }
@@ -165,7 +165,7 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
         if (shape->kind == SHAPE_SPHERE) light->centre = shape->centre;
     }
     const struct texture *texture = light->texture;
-    rgb mean = texture ? attribute_mean(&shape->mesh, texture) : light->value;
+    rgb mean = texture ? scene_attribute_mean(&shape->mesh, texture) : light->value;
     light->strength = rgb_luminance(mean) * shape->area;
     light->power = PI_F * light->strength;
     return SATIN_OK;

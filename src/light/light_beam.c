@@ -26,13 +26,13 @@ bool light_beam_sample(const struct satin_scene *scene, const struct light *ligh
     vec3 q = v3_mad(p, -height, light->direction);
     vec2 uv = {0.0f, 0.0f};
     if (!(height > 0.0f) || !locate(light, shape, q, &uv)) return false;
-    struct texture_lookup at = texture_at(uv);
+    struct texture_lookup at = scene_texture_at(uv);
     *out = (struct light_sample){
         .wi = v3_neg(light->direction),
         .p = q,
         .n = light->direction,
         .dist = height,
-        .L = light->texture ? texture_eval(light->texture, &at) : light->value,
+        .L = light->texture ? scene_texture_eval(light->texture, &at) : light->value,
         .pdf_w = 1.0f,
         .delta = true};
     return true;

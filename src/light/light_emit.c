@@ -6,7 +6,7 @@
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
-static struct light_target scene_bounds(const struct satin_scene *scene) {
+static struct light_target bounds_of_scene(const struct satin_scene *scene) {
     return (struct light_target){scene->bounds_lo, scene->bounds_hi};
 }
 
@@ -22,7 +22,7 @@ float light_box_projected_area(const struct light_target *box, vec3 d) {
 }
 
 float light_bounds_projected_area(const struct satin_scene *scene, vec3 d) {
-    struct light_target box = scene_bounds(scene);
+    struct light_target box = bounds_of_scene(scene);
     return light_box_projected_area(&box, d);
 }
 
@@ -138,7 +138,7 @@ static bool emit_environment(const struct satin_scene *scene, const struct light
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out) {
     const struct light *light = &scene->light[i];
-    const struct light_aim none = {.all = scene_bounds(scene)};
+    const struct light_aim none = {.all = bounds_of_scene(scene)};
     if (!aim) aim = &none;
     switch (light->kind) {
         case LIGHT_AREA:

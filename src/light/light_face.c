@@ -50,14 +50,14 @@ static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             uint32_t corner = a[i], u = a[(i + 1) % 3], v = a[(i + 2) % 3];
-            vec3 p = mesh_vertex(mesh, corner), pu = mesh_vertex(mesh, u),
-                 pv = mesh_vertex(mesh, v);
+            vec3 p = scene_mesh_vertex(mesh, corner), pu = scene_mesh_vertex(mesh, u),
+                 pv = scene_mesh_vertex(mesh, v);
             vec3 eu = v3_sub(pu, p), ev = v3_sub(pv, p);
             float scale2 = v3_len2(eu) + v3_len2(ev);
             uint32_t far = b[j], fv = b[(j + 1) % 3], fu = b[(j + 2) % 3];
-            if (!same_point(mesh_vertex(mesh, fv), pv, scale2) ||
-                !same_point(mesh_vertex(mesh, fu), pu, scale2) ||
-                !same_point(mesh_vertex(mesh, far), v3_add(pu, ev), 16.0f * scale2))
+            if (!same_point(scene_mesh_vertex(mesh, fv), pv, scale2) ||
+                !same_point(scene_mesh_vertex(mesh, fu), pu, scale2) ||
+                !same_point(scene_mesh_vertex(mesh, far), v3_add(pu, ev), 16.0f * scale2))
                 continue;
             *face = (struct light_face){.corner = p,
                                         .edge_u = eu,

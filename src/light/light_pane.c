@@ -196,7 +196,7 @@ static bool arrives_from_point(const struct satin_scene *scene, vec3 p, vec3 ng,
         if (!pane_path_to_point(&path, first, ray.d, s, &miss)) return false;
         if (i + 1 == AIMS || v3_dot(miss, miss) <= sqrf(AIMED * s->dist)) break;
         beside = v3_add(beside, miss);
-        if (!light_sample(scene, s->light, v3_add(p, beside), s->u, s->v, s)) return false;
+        if (!light_sample_wi(scene, s->light, v3_add(p, beside), s->u, s->v, s)) return false;
         ray = scene_spawn(scene, p, ng, s->wi);
         if (!scene_intersect(scene, &ray, &first)) return false;
     }
@@ -240,7 +240,7 @@ bool light_makes_caustic(const struct satin_scene *scene, struct ray ray) {
     vec3 d = ray.d;
     while (scene_intersect(scene, &ray, &s)) {
         const struct material *material = &scene->material[s.material];
-        if (!(material_lobes(material, s.light >= 0) & BRDF_DELTA)) break;
+        if (!(scene_material_lobes(material, s.light >= 0) & BRDF_DELTA)) break;
         if (!pass_surface(&path, &s, &d)) return true;
         ray = scene_spawn(scene, path.p, path.ng, d);
     }

@@ -22,8 +22,9 @@ void light_spot_solid_angles(const struct light *light, float *beam, float *penu
 // ---- Slides -------------------------------------------------------------------------------------
 
 static rgb slide(const struct light *light, vec2 uv) {
-    struct texture_lookup at = texture_at(uv);
-    return light->texture ? rgb_mul(light->value, texture_eval(light->texture, &at)) : light->value;
+    struct texture_lookup at = scene_texture_at(uv);
+    return light->texture ? rgb_mul(light->value, scene_texture_eval(light->texture, &at))
+                          : light->value;
 }
 
 // A spot's texture covers the square around its cone.

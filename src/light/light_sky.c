@@ -51,9 +51,9 @@ static void domes(const struct sky *sky, struct dome out[3]) {
             const double weight =
                 (corner / 2 ? fraction : 1.0 - fraction) * (ground ? albedo[k] : 1.0 - albedo[k]);
             for (int n = 0; n < SKY_NODES; n++) {
-                const float *shape = &sky_shape[t][ground][n][k * SKY_SHAPE];
+                const float *shape = &light_sky_shape[t][ground][n][k * SKY_SHAPE];
                 out[k].brightness +=
-                    weight * node[n] * (double)sky_brightness[t][ground][3 * n + k];
+                    weight * node[n] * (double)light_sky_brightness[t][ground][3 * n + k];
                 for (int i = 0; i < SKY_SHAPE; i++)
                     out[k].c[i] += weight * node[n] * (double)shape[i];
             }
@@ -73,7 +73,7 @@ static float dome_at(const struct dome *d, double cosine, double gamma) {
     return (float)fmax(per_brightness * d->brightness * zenith * sun, 0.0);
 }
 
-bool sky_image(struct arena *arena, const struct sky *sky, struct image *out) {
+bool light_sky_image(struct arena *arena, const struct sky *sky, struct image *out) {
     float *texel = arena_array(arena, (size_t)SKY_COLUMNS * SKY_ROWS * 3, sizeof *texel);
     if (!texel) return false;
     struct dome dome[3];
@@ -103,7 +103,7 @@ static double catmull_rom(const double p[4], double t) {
 }
 
 // The cube root of the radiance is interpolated: it is nearly linear where the sun sets.
-rgb sky_sun(const struct sky *sky) {
+rgb light_sky_sun(const struct sky *sky) {
     int row;
     const double fraction = turbidity_fraction(sky->turbidity, &row);
     const double at = elevation_root(sky) * (SKY_SUN_NODES - 1);
@@ -113,8 +113,8 @@ rgb sky_sun(const struct sky *sky) {
         double p[4];
         for (int i = 0; i < 4; i++) {
             const int from = (int)fmin(fmax(node - 1 + i, 0), SKY_SUN_NODES - 1);
-            p[i] = cbrt((1.0 - fraction) * (double)sky_sun_radiance[row][3 * from + k] +
-                        fraction * (double)sky_sun_radiance[row + 1][3 * from + k]);
+            p[i] = cbrt((1.0 - fraction) * (double)light_sky_sun_radiance[row][3 * from + k] +
+                        fraction * (double)light_sky_sun_radiance[row + 1][3 * from + k]);
         }
         L[k] = pow(fmax(catmull_rom(p, at - node), 0.0), 3.0);
     }

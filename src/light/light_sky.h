@@ -25,8 +25,8 @@ struct sky {
 
 // Tabulates the sky as an image for an envmap, in linear sRGB and black below the horizon. False if
 // there is no memory.
-bool sky_image(struct arena *arena, const struct sky *sky, struct image *out);
+bool light_sky_image(struct arena *arena, const struct sky *sky, struct image *out);
 // The mean radiance of the sun's disc at its elevation, if it subtends SKY_SUN_APERTURE.
-rgb sky_sun(const struct sky *sky);
+rgb light_sky_sun(const struct sky *sky);
 
 #endif

@@ -29,7 +29,7 @@
 // OF THE USE OF THIS SOFTWARE, EVEN IF ADVISED OF THE POSSIBILITY OF SUCH DAMAGE.
 #include "light/light_sky_tables.h"
 
-const float sky_shape[SKY_TURBIDITIES][2][SKY_NODES][3 * SKY_SHAPE] = {
+const float light_sky_shape[SKY_TURBIDITIES][2][SKY_NODES][3 * SKY_SHAPE] = {
     {{{-1.09946f, -.133515f,   -4.08322f, 5.9196f,    -.110417f, 1.60016f,  -1.32654e-6f,
        4.91781f,  .512772f,    -1.14053f, -.198275f,  -7.51273f, 8.4039f,   -.0569904f,
        .901591f,  .0339216f,   4.77252f,  .511118f,   -1.37263f, -.490559f, -41.0079f,
@@ -512,7 +512,7 @@ const float sky_shape[SKY_TURBIDITIES][2][SKY_NODES][3 * SKY_SHAPE] = {
        3.92584f,  -3.5969f,  .631733f,  .153133f,    1.45785f,  .696628f}}},
 };
 
-const float sky_brightness[SKY_TURBIDITIES][2][SKY_NODES * 3] = {
+const float light_sky_brightness[SKY_TURBIDITIES][2][SKY_NODES * 3] = {
     {{1.96268f, 1.59033f, .992652f, 1.15983f, 1.3554f, 1.99949f, 4.45059f, 1.15141f, -4.13611f,
       5.07963f, 13.5912f, 18.5627f, 4.43739f, 5.85771f, 13.5103f, 4.32457f, 8.09083f, 13.9024f},
      {2.02962f, 1.7117f, 1.1683f, 1.36443f, 1.65731f, 1.86099f, 4.20153f, .932802f, -2.12907f,
@@ -555,7 +555,7 @@ const float sky_brightness[SKY_TURBIDITIES][2][SKY_NODES * 3] = {
       12.8116f, 1.18368f, -7.48766f, 51.5477f, 55.0322f, 54.3662f, 25.7428f, 26.4307f, 28.9343f}},
 };
 
-const float sky_sun_radiance[SKY_TURBIDITIES][SKY_SUN_NODES * 3] = {
+const float light_sky_sun_radiance[SKY_TURBIDITIES][SKY_SUN_NODES * 3] = {
     {2592.96f, 336.944f, 0.0f,     2646.56f, 349.209f, 0.0f,     3034.8f,  446.721f,
      0.0f,     4154.54f, 781.689f, 0.0f,     6408.27f, 1690.57f, 0.0f,     9741.34f,
      3613.43f, 121.625f, 13316.0f, 6521.41f, 1137.16f, 16309.7f, 9719.28f, 3133.96f,

@@ -12,11 +12,11 @@ enum {
 
 // Coefficients of red come first, then those of green and of blue. The second index is the albedo
 // of the ground, 0 or 1.
-extern const float sky_shape[SKY_TURBIDITIES][2][SKY_NODES][3 * SKY_SHAPE];
+extern const float light_sky_shape[SKY_TURBIDITIES][2][SKY_NODES][3 * SKY_SHAPE];
 // The brightness, red, green and blue for each control point.
-extern const float sky_brightness[SKY_TURBIDITIES][2][SKY_NODES * 3];
+extern const float light_sky_brightness[SKY_TURBIDITIES][2][SKY_NODES * 3];
 // The mean radiance of the sun's disc, red, green and blue for each elevation, in the units of
 // light_sky.h.
-extern const float sky_sun_radiance[SKY_TURBIDITIES][SKY_SUN_NODES * 3];
+extern const float light_sky_sun_radiance[SKY_TURBIDITIES][SKY_SUN_NODES * 3];
 
 #endif

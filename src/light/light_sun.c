@@ -15,7 +15,7 @@ static double days_since_2000(const struct sun_time *t, double hours) {
     return (double)day - 0.5 + hours / 24.0 - 2451545.0;
 }
 
-vec3 sun_toward(const struct sun_time *t) {
+vec3 light_sun_toward(const struct sun_time *t) {
     const double hours =
         (double)t->hour - t->timezone + ((double)t->minute + t->second / 60.0) / 60.0;
     const double n = days_since_2000(t, hours);

@@ -12,6 +12,6 @@ struct sun_time {
 };
 
 // The unit vector to the sun as in Mitsuba 0.6: y is up, z to the south and x to the east.
-vec3 sun_toward(const struct sun_time *time);
+vec3 light_sun_toward(const struct sun_time *time);
 
 #endif

@@ -18,8 +18,8 @@ static float cell_luminance(const struct light *light, const struct mesh *mesh,
     for (int k = 0; k < LOOKS * LOOKS; k++) {
         const float s = ((float)column + ((float)(k % LOOKS) + 0.5f) / LOOKS) / TEXELS_GRID;
         const float t = ((float)row + ((float)(k / LOOKS) + 0.5f) / LOOKS) / TEXELS_GRID;
-        const struct texture_lookup at = texture_at(light_face_uv(face, mesh, s, t));
-        sum += rgb_luminance(texture_eval(light->texture, &at));
+        const struct texture_lookup at = scene_texture_at(light_face_uv(face, mesh, s, t));
+        sum += rgb_luminance(scene_texture_eval(light->texture, &at));
     }
     return sum / (LOOKS * LOOKS);
 }

@@ -66,7 +66,7 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p,
 void light_choose_probabilities(const struct satin_scene *scene, vec3 p,
                                 struct light_visibility visibility,
                                 float probability[LIGHT_WEIGHTS_MAX]);
-// Does what light_sample does, but with regard to the visibility.
+// Does what light_sample_wi does, but with regard to the visibility.
 bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
                           struct light_visibility visibility, vec3 p, float u, float v,
                           struct light_sample *out);
@@ -81,8 +81,8 @@ int light_box_bin(const struct light_box *box, vec3 p, vec3 w, float *density);
 int light_box_around(int bin, int around[9]);
 // Distributes samples over the bins in proportion to their weights, which are row by row.
 void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out);
-// As light_sample and light_pdf for the environment, which must exist, at p. A NULL histogram means
-// that all of it is visible.
+// As light_sample_wi and light_pdf for the environment, which must exist, at p. A NULL histogram
+// means that all of it is visible.
 bool light_environment_sample(const struct satin_scene *scene,
                               const struct light_histogram *histogram, vec3 p, float u, float v,
                               struct light_sample *out);

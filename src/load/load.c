@@ -29,7 +29,7 @@ satin_status load_params(struct load_state *loader, struct xml_node *node, struc
     const struct plugin_spec *plugin = load_plugin_find(loader->log, node);
     if (!plugin) return SATIN_ERROR_INPUT;
     struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
-    return params_read(source, plugin, node, out);
+    return load_params_read(source, plugin, node, out);
 }
 
 satin_status load_file_source(struct load_state *loader, const struct param_value *name,
@@ -61,9 +61,9 @@ bool load_left_out(struct load_state *loader, const struct xml_node *node, const
 }
 
 bool load_file_missing(struct load_state *loader, const struct params *p, const char *instead) {
-    if (!loader->lenient || !params_has(p, "filename") || !param(p, "filename")->given)
+    if (!loader->lenient || !load_params_has(p, "filename") || !load_param(p, "filename")->given)
         return false;
-    const struct param_value *name = param(p, "filename");
+    const struct param_value *name = load_param(p, "filename");
     struct load_source source = {.path = NULL};
     if (load_file_source(loader, name, &source) != SATIN_OK || !source.path) return false;
     const bool missing = access(source.path, F_OK) != 0;
@@ -120,7 +120,7 @@ static satin_status build_sensor(struct load_state *loader, struct xml_node *nod
     return load_params(loader, node, &p);
 }
 
-static bool same_window(const struct film_spec *a, const struct film_spec *b) {
+static bool same_window(const struct scene_film *a, const struct scene_film *b) {
     return a->width == b->width && a->height == b->height && a->crop_x == b->crop_x &&
            a->crop_y == b->crop_y && a->crop_width == b->crop_width &&
            a->crop_height == b->crop_height;
@@ -138,7 +138,7 @@ static satin_status build_all_sensors(struct load_state *loader, const struct xm
     if (!scene->sensor) return load_no_memory(loader);
     for (struct xml_node *node = loader->xml.root->child; node; node = node->next) {
         if (node->tag != XML_SENSOR) continue;
-        const struct film_spec before = scene->film;
+        const struct scene_film before = scene->film;
         scene->hints.spp = spp;
         const satin_status status = load_sensor(loader, node);
         if (status != SATIN_OK) return status;
@@ -246,7 +246,7 @@ static uint64_t hash_world(uint64_t hash, const struct xml_node *node) {
 static satin_status load_all(struct load_state *loader) {
     struct params p;
     struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
-    satin_status status = params_read(source, &scene_spec, loader->xml.root, &p);
+    satin_status status = load_params_read(source, &scene_spec, loader->xml.root, &p);
     if (status == SATIN_OK) status = build_objects(loader);
     if (status == SATIN_OK) status = check_unused(loader);
     if (status == SATIN_OK) status = keep_objects(loader);

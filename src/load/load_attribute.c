@@ -2,10 +2,11 @@
 // Finds the mesh attributes that the textures of a shape refer to.
 #include "load/load_attribute.h"
 
-bool attribute_want(struct attribute_names *names, const struct texture *texture) {
+bool load_attribute_want(struct attribute_names *names, const struct texture *texture) {
     if (!texture) return true;
     if (texture->check[0])
-        return attribute_want(names, texture->check[0]) && attribute_want(names, texture->check[1]);
+        return load_attribute_want(names, texture->check[0]) &&
+               load_attribute_want(names, texture->check[1]);
     if (texture->kind != TEXTURE_ATTRIBUTE) return true;
     for (int i = 0; i < names->count; i++)
         if (names->name[i] == texture->attribute) return true;
@@ -16,20 +17,20 @@ bool attribute_want(struct attribute_names *names, const struct texture *texture
 
 static bool want_side(struct attribute_names *names, const struct material_side *side) {
     if (side->component[0])
-        return attribute_want(names, side->blend) && want_side(names, side->component[0]) &&
+        return load_attribute_want(names, side->blend) && want_side(names, side->component[0]) &&
                want_side(names, side->component[1]);
     for (int i = 0; i < BRDF_SLOT_COUNT; i++)
-        if (!attribute_want(names, side->slot[i])) return false;
+        if (!load_attribute_want(names, side->slot[i])) return false;
     for (int i = 0; i < BRDF_BUMPS_MAX; i++)
-        if (!attribute_want(names, side->bump[i].normal)) return false;
+        if (!load_attribute_want(names, side->bump[i].normal)) return false;
     return true;
 }
 
-bool attribute_want_all(struct attribute_names *names, const struct material *m) {
+bool load_attribute_want_all(struct attribute_names *names, const struct material *m) {
     return want_side(names, &m->front) && want_side(names, &m->back);
 }
 
-const char *attribute_missing(const struct attribute_names *names, const struct mesh *mesh) {
+const char *load_attribute_missing(const struct attribute_names *names, const struct mesh *mesh) {
     for (int i = 0, k; i < names->count; i++) {
         for (k = 0; k < mesh->attribute_count; k++)
             if (mesh->attribute[k].name == names->name[i]) break;

@@ -75,7 +75,7 @@ satin_status load_image(const struct load_source *source, bool raw, const struct
 bool load_image_levels(struct arena *arena, const struct image *image, const struct image **level,
                        int *levels);
 // Converts an sRGB value to linear.
-static inline float srgb_to_linear(float x) {
+static inline float load_srgb_to_linear(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
 }
 

@@ -21,15 +21,15 @@ struct curve_reader {
 static satin_status read_point(struct curve_reader *r) {
     double value[4];
     for (int i = 0; i < 4; i++) {
-        mesh_text_skip_blanks(&r->text);
-        if (!mesh_text_number(&r->text, &value[i]) || !isfinite((float)value[i]))
-            return mesh_error(r->source, r->text.line, "expected a point: x y z radius");
+        load_mesh_text_skip_blanks(&r->text);
+        if (!load_mesh_text_number(&r->text, &value[i]) || !isfinite((float)value[i]))
+            return load_mesh_error(r->source, r->text.line, "expected a point: x y z radius");
     }
     vec3 p = mat4_point(r->to_world, v3((float)value[0], (float)value[1], (float)value[2]));
     if (!(value[3] >= 0.0 && value[3] < 1e15) || !(v3_max_abs(p) < 1e15f))
-        return mesh_error(r->source, r->text.line, "the point or its radius is out of range");
+        return load_mesh_error(r->source, r->text.line, "the point or its radius is out of range");
     if (!array_reserve((void **)&r->point, &r->point_capacity, r->points * 4 + 4, sizeof(float)))
-        return mesh_no_memory(r->source);
+        return load_mesh_no_memory(r->source);
     const float out[4] = {p.x, p.y, p.z, (float)value[3]};
     memcpy(r->point + r->points++ * 4, out, sizeof out);
     return SATIN_OK;
@@ -40,11 +40,11 @@ static satin_status end_curve(struct curve_reader *r) {
     size_t count = r->points - r->start;
     if (!count) return SATIN_OK;
     if (count < r->needed)
-        return mesh_error(r->source, r->text.line, "a curve of %zu points, but it needs %zu", count,
-                          r->needed);
+        return load_mesh_error(r->source, r->text.line, "a curve of %zu points, but it needs %zu",
+                               count, r->needed);
     if (!array_reserve((void **)&r->first, &r->first_capacity, r->segments + count,
                        sizeof *r->first))
-        return mesh_no_memory(r->source);
+        return load_mesh_no_memory(r->source);
     for (size_t i = 0; i + r->needed <= count; i++)
         r->first[r->segments++] = (uint32_t)(r->start + i);
     r->start = r->points;
@@ -53,17 +53,17 @@ static satin_status end_curve(struct curve_reader *r) {
 
 static satin_status read_curve_lines(struct curve_reader *r) {
     satin_status status = SATIN_OK;
-    for (; r->text.at < r->text.end && status == SATIN_OK; mesh_text_next_line(&r->text)) {
-        mesh_text_skip_blanks(&r->text);
+    for (; r->text.at < r->text.end && status == SATIN_OK; load_mesh_text_next_line(&r->text)) {
+        load_mesh_text_skip_blanks(&r->text);
         bool blank = r->text.at == r->text.end || *r->text.at == '\n';
         status = blank ? end_curve(r) : read_point(r);
-        mesh_text_skip_blanks(&r->text);
+        load_mesh_text_skip_blanks(&r->text);
         if (status == SATIN_OK && r->text.at < r->text.end && *r->text.at != '\n')
-            status = mesh_error(r->source, r->text.line, "expected a point: x y z radius");
+            status = load_mesh_error(r->source, r->text.line, "expected a point: x y z radius");
     }
     if (status == SATIN_OK) status = end_curve(r);
     if (status == SATIN_OK && !r->segments)
-        status = mesh_error(r->source, 0, "there is no curve in it");
+        status = load_mesh_error(r->source, 0, "there is no curve in it");
     return status;
 }
 
@@ -84,7 +84,7 @@ static satin_status store_curves(const struct curve_reader *r, bool linear, stru
     float *point = arena_array(arena, r->points * 4, sizeof *point);
     uint32_t *first = arena_array(arena, r->segments, sizeof *first);
     c.flags = neighbour_flags(arena, r);
-    if (!point || !first || !c.flags) return mesh_no_memory(r->source);
+    if (!point || !first || !c.flags) return load_mesh_no_memory(r->source);
     memcpy(point, r->point, r->points * 4 * sizeof *point);
     memcpy(first, r->first, r->segments * sizeof *first);
     c.points = (uint32_t)r->points;

@@ -42,7 +42,7 @@ static void finish_texels(const struct load_source *source, float *texel, size_t
                           bool decode) {
     size_t bad = 0;
     for (size_t i = 0; i < count; i++) {
-        if (decode) texel[i] = srgb_to_linear(texel[i]);
+        if (decode) texel[i] = load_srgb_to_linear(texel[i]);
         if (texel[i] >= 0.0f && texel[i] < TEXEL_LIMIT) continue;
         texel[i] = 0.0f;
         bad++;

@@ -12,8 +12,8 @@
 enum { THETA_H = 90, THETA_D = 90, PHI_D = 180, CELLS = THETA_H * THETA_D * PHI_D };
 enum { HEADER = 12, BYTES = HEADER + 3 * 8 * CELLS };
 
-static satin_status fill_grid(const struct load_source *source, const char *data,
-                              struct brdf_grid *out) {
+static satin_status set_grid(const struct load_source *source, const char *data,
+                             struct brdf_grid *out) {
     static const float scale[3] = {1.0f / 1500.0f, 1.15f / 1500.0f, 1.66f / 1500.0f};
     float *value = arena_array(source->arena, (size_t)CELLS * 3, sizeof *value);
     if (!value)
@@ -45,7 +45,7 @@ satin_status load_measured_merl(const struct load_source *source, struct brdf_gr
             source->path, BYTES, size);
         status = SATIN_ERROR_INPUT;
     } else {
-        status = fill_grid(source, data, out);
+        status = set_grid(source, data, out);
     }
     free(data);
     return status;

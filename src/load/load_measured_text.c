@@ -26,22 +26,22 @@ static satin_status measured_error(const struct measured_reader *r, const char *
 
 static void skip(struct measured_reader *r) {
     for (;;) {
-        mesh_text_skip_space(&r->text);
+        load_mesh_text_skip_space(&r->text);
         if (r->text.at == r->text.end || *r->text.at != '#') return;
-        mesh_text_next_line(&r->text);
+        load_mesh_text_next_line(&r->text);
     }
 }
 
 static bool take(struct measured_reader *r, const char *name) {
     const char *word;
     skip(r);
-    size_t length = mesh_text_word(&r->text, &word);
-    return mesh_text_is(word, length, name);
+    size_t length = load_mesh_text_word(&r->text, &word);
+    return load_mesh_text_is(word, length, name);
 }
 
 static bool read_measured_number(struct measured_reader *r, double *out) {
     skip(r);
-    return mesh_text_number(&r->text, out);
+    return load_mesh_text_number(&r->text, out);
 }
 
 static bool count(struct measured_reader *r, int most, int *out) {

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-satin_status mesh_error(const struct load_source *source, int line, const char *format, ...) {
+satin_status load_mesh_error(const struct load_source *source, int line, const char *format, ...) {
     char text[512];
     va_list args;
     va_start(args, format);
@@ -17,20 +17,20 @@ satin_status mesh_error(const struct load_source *source, int line, const char *
     return SATIN_ERROR_INPUT;
 }
 
-satin_status mesh_no_memory(const struct load_source *source) {
+satin_status load_mesh_no_memory(const struct load_source *source) {
     return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for its mesh",
                     source->path);
 }
 
-satin_status mesh_allocate(const struct load_source *source, uint32_t vertices, bool normals,
-                           bool uvs, struct raw_mesh *out) {
+satin_status load_mesh_allocate(const struct load_source *source, uint32_t vertices, bool normals,
+                                bool uvs, struct raw_mesh *out) {
     struct arena *arena = source->arena;
     struct raw_mesh raw = {.vertex_count = vertices};
     raw.position = arena_array(arena, (size_t)vertices * 3 + 1, sizeof(float));
     if (normals) raw.normal = arena_array(arena, (size_t)vertices * 3, sizeof(float));
     if (uvs) raw.uv = arena_array(arena, (size_t)vertices * 2, sizeof(float));
     if (!raw.position || (normals && !raw.normal) || (uvs && !raw.uv))
-        return mesh_no_memory(source);
+        return load_mesh_no_memory(source);
     *out = raw;
     return SATIN_OK;
 }
@@ -101,7 +101,7 @@ static satin_status complete_normals(const struct load_source *source, struct ra
     for (uint32_t i = 0; i < raw->vertex_count; i++) {
         if (v3_len2(vertex_at(raw->normal, i)) > 0.0f) continue;
         if (!wanted) wanted = calloc(raw->vertex_count, sizeof *wanted);
-        if (!wanted) return mesh_no_memory(source);
+        if (!wanted) return load_mesh_no_memory(source);
         wanted[i] = true;
     }
     if (wanted) smooth_normals(raw, wanted, raw->normal);
@@ -133,7 +133,7 @@ static satin_status make_normals(const struct load_source *source,
         return SATIN_OK;
     }
     if (request->smooth_angle > 0.0f) {
-        satin_status status = mesh_smooth(source, request->smooth_angle, raw);
+        satin_status status = load_mesh_smooth(source, request->smooth_angle, raw);
         if (status != SATIN_OK) return status;
     } else if (raw->normal) {
         transform_normals(&request->to_world, raw);
@@ -143,7 +143,7 @@ static satin_status make_normals(const struct load_source *source,
     } else {
         size_t count = (size_t)raw->vertex_count * 3;
         raw->normal = arena_array(source->arena, count, sizeof(float));
-        if (!raw->normal) return mesh_no_memory(source);
+        if (!raw->normal) return load_mesh_no_memory(source);
         smooth_normals(raw, NULL, raw->normal);
     }
     if (request->flip_normals)
@@ -153,8 +153,8 @@ static satin_status make_normals(const struct load_source *source,
 
 // ---- Attributes ---------------------------------------------------------------------------------
 
-void mesh_attribute_check(const struct load_source *source, const char *name, float *value,
-                          size_t count) {
+void load_mesh_attribute_check(const struct load_source *source, const char *name, float *value,
+                               size_t count) {
     size_t bad = 0;
     for (size_t i = 0; i < count; i++) {
         if (value[i] >= 0.0f) continue;
@@ -184,16 +184,16 @@ static void collapse_flat(struct raw_mesh *raw) {
     }
 }
 
-satin_status mesh_finish(const struct load_source *source, const struct mesh_request *request,
-                         struct raw_mesh *raw, struct mesh *out) {
+satin_status load_mesh_finish(const struct load_source *source, const struct mesh_request *request,
+                              struct raw_mesh *raw, struct mesh *out) {
     for (size_t i = 0; i < (size_t)raw->triangle_count * 3; i++)
         if (raw->index[i] >= raw->vertex_count)
-            return mesh_error(source, 0, "triangle %zu refers to vertex %u, but there are %u",
-                              i / 3, raw->index[i], raw->vertex_count);
+            return load_mesh_error(source, 0, "triangle %zu refers to vertex %u, but there are %u",
+                                   i / 3, raw->index[i], raw->vertex_count);
     for (uint32_t i = 0; i < raw->vertex_count; i++) {
         vec3 p = mat4_point(&request->to_world, vertex_at(raw->position, i));
         if (!(v3_finite(p) && v3_max_abs(p) <= SCENE_COORDINATE_MAX))
-            return mesh_error(source, 0, "vertex %u is not finite or too far away", i);
+            return load_mesh_error(source, 0, "vertex %u is not finite or too far away", i);
         set_vertex(raw->position, i, p);
     }
     collapse_flat(raw);

@@ -18,25 +18,26 @@ struct raw_mesh {
 
 // Logs an error in the whole file, or in `line` of a text file (0: unknown). Returns
 // SATIN_ERROR_INPUT.
-satin_status mesh_error(const struct load_source *source, int line, const char *format, ...)
+satin_status load_mesh_error(const struct load_source *source, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-satin_status mesh_no_memory(const struct load_source *source);
+satin_status load_mesh_no_memory(const struct load_source *source);
 
 // Allocates the arrays of a mesh of `vertices` vertices; normal and uv only if requested, index
 // never.
-satin_status mesh_allocate(const struct load_source *source, uint32_t vertices, bool normals,
-                           bool uvs, struct raw_mesh *out);
+satin_status load_mesh_allocate(const struct load_source *source, uint32_t vertices, bool normals,
+                                bool uvs, struct raw_mesh *out);
 
 // Sets negative values of an attribute to 0, with a warning, as for images.
-void mesh_attribute_check(const struct load_source *source, const char *name, float *value,
-                          size_t count);
+void load_mesh_attribute_check(const struct load_source *source, const char *name, float *value,
+                               size_t count);
 
 // Computes normals that are smooth across edges below an angle (load_mesh_smooth.c).
-satin_status mesh_smooth(const struct load_source *source, float degrees, struct raw_mesh *raw);
+satin_status load_mesh_smooth(const struct load_source *source, float degrees,
+                              struct raw_mesh *raw);
 
 // Checks the indices, transforms to world space, computes normals, orders vertices and flips
 // normals.
-satin_status mesh_finish(const struct load_source *source, const struct mesh_request *request,
-                         struct raw_mesh *raw, struct mesh *out);
+satin_status load_mesh_finish(const struct load_source *source, const struct mesh_request *request,
+                              struct raw_mesh *raw, struct mesh *out);
 
 #endif

@@ -43,7 +43,7 @@ static void obj_free(struct obj *obj) {
 }
 
 static satin_status obj_error(const struct obj *obj, const char *what) {
-    return mesh_error(obj->source, obj->text.line, "%s", what);
+    return load_mesh_error(obj->source, obj->text.line, "%s", what);
 }
 
 static bool line_ended(const struct mesh_text *text) {
@@ -56,11 +56,11 @@ static bool line_ended(const struct mesh_text *text) {
 static satin_status read_obj_item(struct obj *obj, struct floats *items, int least, int most) {
     if (!array_reserve((void **)&items->value, &items->capacity, items->count + (size_t)most,
                        sizeof(float)))
-        return mesh_no_memory(obj->source);
+        return load_mesh_no_memory(obj->source);
     for (int i = 0; i < most; i++) {
         double number = 0.0;
-        mesh_text_skip_blanks(&obj->text);
-        if (line_ended(&obj->text) ? i < least : !mesh_text_number(&obj->text, &number))
+        load_mesh_text_skip_blanks(&obj->text);
+        if (line_ended(&obj->text) ? i < least : !load_mesh_text_number(&obj->text, &number))
             return obj_error(obj, "expected a number");
         if (!isfinite((float)number)) return obj_error(obj, "a coordinate is not finite");
         items->value[items->count++] = (float)number;
@@ -100,12 +100,12 @@ static bool grow_slots(struct obj *obj) {
 
 static satin_status corner_vertex(struct obj *obj, struct obj_corner c, uint32_t *vertex) {
     if (obj->corner_count * 2 >= obj->slot_count && !grow_slots(obj))
-        return mesh_no_memory(obj->source);
+        return load_mesh_no_memory(obj->source);
     size_t i = find_slot(obj, c);
     if (!obj->slot[i]) {
         if (!array_reserve((void **)&obj->corner, &obj->corner_capacity, obj->corner_count + 1,
                            sizeof *obj->corner))
-            return mesh_no_memory(obj->source);
+            return load_mesh_no_memory(obj->source);
         obj->corner[obj->corner_count++] = c;
         obj->slot[i] = (uint32_t)obj->corner_count;
     }
@@ -116,13 +116,13 @@ static satin_status corner_vertex(struct obj *obj, struct obj_corner c, uint32_t
 // Reads an index, which counts from 1, or backwards from -1.
 static satin_status read_index(struct obj *obj, size_t count, const char *what, int32_t *out) {
     int64_t i;
-    if (!mesh_text_integer(&obj->text, &i))
+    if (!load_mesh_text_integer(&obj->text, &i))
         return obj_error(obj, "expected the index of a face corner");
     int64_t from_zero = i < 0 ? (int64_t)count + i : i - 1;
     if (from_zero < 0 || from_zero >= (int64_t)count)
-        return mesh_error(obj->source, obj->text.line,
-                          "a face refers to %s %lld, but there are %zu so far", what, (long long)i,
-                          count);
+        return load_mesh_error(obj->source, obj->text.line,
+                               "a face refers to %s %lld, but there are %zu so far", what,
+                               (long long)i, count);
     *out = (int32_t)from_zero;
     return SATIN_OK;
 }
@@ -150,7 +150,7 @@ static satin_status read_corner(struct obj *obj, struct obj_corner *out) {
 static satin_status add_obj_triangle(struct obj *obj, uint32_t a, uint32_t b, uint32_t c) {
     if (!array_reserve((void **)&obj->index, &obj->index_capacity, obj->index_count + 3,
                        sizeof *obj->index))
-        return mesh_no_memory(obj->source);
+        return load_mesh_no_memory(obj->source);
     obj->index[obj->index_count++] = a;
     obj->index[obj->index_count++] = b;
     obj->index[obj->index_count++] = c;
@@ -160,7 +160,7 @@ static satin_status add_obj_triangle(struct obj *obj, uint32_t a, uint32_t b, ui
 static satin_status read_face(struct obj *obj) {
     uint32_t first = 0, previous = 0, vertex = 0;
     for (size_t n = 0;; n++) {
-        mesh_text_skip_blanks(&obj->text);
+        load_mesh_text_skip_blanks(&obj->text);
         if (line_ended(&obj->text))
             return n >= 3 ? SATIN_OK : obj_error(obj, "a face needs at least three corners");
         struct obj_corner corner;
@@ -176,18 +176,18 @@ static satin_status read_face(struct obj *obj) {
 // ---- The file -----------------------------------------------------------------------------------
 
 static satin_status read_obj_lines(struct obj *obj) {
-    for (; obj->text.at < obj->text.end; mesh_text_next_line(&obj->text)) {
+    for (; obj->text.at < obj->text.end; load_mesh_text_next_line(&obj->text)) {
         const char *word;
-        mesh_text_skip_blanks(&obj->text);
-        size_t length = mesh_text_word(&obj->text, &word);
+        load_mesh_text_skip_blanks(&obj->text);
+        size_t length = load_mesh_text_word(&obj->text, &word);
         satin_status status = SATIN_OK;
-        if (mesh_text_is(word, length, "v"))
+        if (load_mesh_text_is(word, length, "v"))
             status = read_obj_item(obj, &obj->position, 3, 3);
-        else if (mesh_text_is(word, length, "vt"))
+        else if (load_mesh_text_is(word, length, "vt"))
             status = read_obj_item(obj, &obj->uv, 1, 2);
-        else if (mesh_text_is(word, length, "vn"))
+        else if (load_mesh_text_is(word, length, "vn"))
             status = read_obj_item(obj, &obj->normal, 3, 3);
-        else if (mesh_text_is(word, length, "f"))
+        else if (load_mesh_text_is(word, length, "f"))
             status = read_face(obj);
         if (status != SATIN_OK) return status;
     }
@@ -202,7 +202,7 @@ static satin_status assemble_obj(const struct obj *obj, struct raw_mesh *out) {
     }
     struct raw_mesh raw;
     satin_status status =
-        mesh_allocate(obj->source, (uint32_t)obj->corner_count, normals, uvs, &raw);
+        load_mesh_allocate(obj->source, (uint32_t)obj->corner_count, normals, uvs, &raw);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < obj->corner_count; i++) {
         struct obj_corner c = obj->corner[i];
@@ -214,7 +214,7 @@ static satin_status assemble_obj(const struct obj *obj, struct raw_mesh *out) {
     }
     raw.triangle_count = (uint32_t)(obj->index_count / 3);
     raw.index = arena_array(obj->source->arena, obj->index_count, sizeof(uint32_t));
-    if (!raw.index) return mesh_no_memory(obj->source);
+    if (!raw.index) return load_mesh_no_memory(obj->source);
     memcpy(raw.index, obj->index, obj->index_count * sizeof(uint32_t));
     *out = raw;
     return SATIN_OK;
@@ -230,9 +230,9 @@ satin_status load_mesh_obj(const struct load_source *source, const struct mesh_r
     struct raw_mesh raw;
     status = read_obj_lines(&obj);
     if (status == SATIN_OK && obj.index_count == 0)
-        status = mesh_error(source, 0, "there is no face in it");
+        status = load_mesh_error(source, 0, "there is no face in it");
     if (status == SATIN_OK) status = assemble_obj(&obj, &raw);
     obj_free(&obj);
     free(data);
-    return status == SATIN_OK ? mesh_finish(source, request, &raw, out) : status;
+    return status == SATIN_OK ? load_mesh_finish(source, request, &raw, out) : status;
 }

@@ -26,8 +26,8 @@ static int line_of(const struct ply *ply) { return ply->header.text ? ply->text.
 static satin_status fail_at(const struct ply *ply, const struct ply_element *element, uint64_t item,
                             const char *what) {
     static const char *const name[] = {"vertex", "face", "item"};
-    return mesh_error(ply->source, line_of(ply), "%s %llu: %s", name[element->kind],
-                      (unsigned long long)item, what);
+    return load_mesh_error(ply->source, line_of(ply), "%s %llu: %s", name[element->kind],
+                           (unsigned long long)item, what);
 }
 
 // ---- Numbers ------------------------------------------------------------------------------------
@@ -57,10 +57,10 @@ static double decode(enum ply_type type, uint64_t bits) {
 // Reads one number. False at the end of the file or, in text, if there is no number.
 static bool read_ply_number(struct ply *ply, enum ply_type type, double *out) {
     if (ply->header.text) {
-        mesh_text_skip_space(&ply->text);
-        return mesh_text_number(&ply->text, out);
+        load_mesh_text_skip_space(&ply->text);
+        return load_mesh_text_number(&ply->text, out);
     }
-    size_t size = ply_type_size(type);
+    size_t size = load_ply_type_size(type);
     if ((size_t)(ply->text.end - ply->text.at) < size) return false;
     const unsigned char *byte = (const unsigned char *)ply->text.at;
     uint64_t bits = 0;
@@ -76,7 +76,7 @@ static bool read_length(struct ply *ply, const struct ply_property *property, ui
     double length;
     if (!read_ply_number(ply, property->count_type, &length)) return false;
     uint64_t left = (uint64_t)(ply->text.end - ply->text.at);
-    uint64_t most = ply->header.text ? left : left / ply_type_size(property->type);
+    uint64_t most = ply->header.text ? left : left / load_ply_type_size(property->type);
     if (!(length >= 0.0 && length <= (double)most)) return false;
     *out = (uint64_t)length;
     return (double)*out == length;
@@ -88,14 +88,14 @@ static bool read_other(struct ply *ply, const struct ply_property *property) {
     if (property->target) {
         float *value = &ply->attributes.read[property->target - 1];
         if (!read_ply_number(ply, property->type, &number)) return false;
-        *value = ply_attribute_decode(property->type, number);
+        *value = load_ply_attribute_decode(property->type, number);
         return isfinite(*value);
     }
     if (!property->count_type) return read_ply_number(ply, property->type, &number);
     uint64_t length;
     if (!read_length(ply, property, &length)) return false;
     if (!ply->header.text) {
-        ply->text.at += length * ply_type_size(property->type);
+        ply->text.at += length * load_ply_type_size(property->type);
         return true;
     }
     for (uint64_t i = 0; i < length; i++)
@@ -125,7 +125,7 @@ static satin_status read_vertex(struct ply *ply, const struct ply_element *eleme
     memcpy(ply->raw.position + i * 3, value + PLY_X, 3 * sizeof(float));
     if (ply->raw.normal) memcpy(ply->raw.normal + i * 3, value + PLY_NX, 3 * sizeof(float));
     if (ply->raw.uv) memcpy(ply->raw.uv + i * 2, value + PLY_U, 2 * sizeof(float));
-    ply_attributes_vertex(&ply->attributes, i);
+    load_ply_attributes_vertex(&ply->attributes, i);
     return SATIN_OK;
 }
 
@@ -160,12 +160,12 @@ static satin_status read_corners(struct ply *ply, const struct ply_element *elem
         if (!read_ply_number(ply, property->type, &number))
             return fail_at(ply, element, i, cut_short);
         if (!(number >= 0.0 && number < (double)ply->header.vertex_count))
-            return mesh_error(
+            return load_mesh_error(
                 ply->source, line_of(ply), "face %llu refers to vertex %.0f, but there are %llu",
                 (unsigned long long)i, number, (unsigned long long)ply->header.vertex_count);
         uint32_t vertex = (uint32_t)number;
         if (k >= 2 && !add_ply_triangle(ply, first, previous, vertex))
-            return mesh_no_memory(ply->source);
+            return load_mesh_no_memory(ply->source);
         if (k == 0) first = vertex;
         previous = vertex;
     }
@@ -183,9 +183,9 @@ static satin_status read_ply_item(struct ply *ply, const struct ply_element *ele
             status = fail_at(ply, element, i, cut_short);
         if (status != SATIN_OK) return status;
     }
-    bool ok =
-        element->kind != PLY_FACES || ply_attributes_face(&ply->attributes, ply->index_count / 3);
-    return ok ? SATIN_OK : mesh_no_memory(ply->source);
+    bool ok = element->kind != PLY_FACES ||
+              load_ply_attributes_face(&ply->attributes, ply->index_count / 3);
+    return ok ? SATIN_OK : load_mesh_no_memory(ply->source);
 }
 
 // ---- The file -----------------------------------------------------------------------------------
@@ -195,10 +195,10 @@ static satin_status read_body(struct ply *ply) {
     bool normals = header->has[PLY_NX] && header->has[PLY_NY] && header->has[PLY_NZ];
     bool uvs = header->has[PLY_U] && header->has[PLY_V];
     satin_status status =
-        mesh_allocate(ply->source, (uint32_t)header->vertex_count, normals, uvs, &ply->raw);
+        load_mesh_allocate(ply->source, (uint32_t)header->vertex_count, normals, uvs, &ply->raw);
     ply->index_capacity = (size_t)header->face_count * 3;
     ply->index = arena_array(ply->source->arena, ply->index_capacity, sizeof *ply->index);
-    if (status == SATIN_OK && !ply->index) return mesh_no_memory(ply->source);
+    if (status == SATIN_OK && !ply->index) return load_mesh_no_memory(ply->source);
     for (int e = 0; e < header->element_count && status == SATIN_OK; e++) {
         const struct ply_element *element = &header->element[e];
         // Elements without properties take no bytes, so their count is not checked.
@@ -207,14 +207,14 @@ static satin_status read_body(struct ply *ply) {
             status = read_ply_item(ply, element, i);
     }
     if (status != SATIN_OK) return status;
-    if (!ply->index_count) return mesh_error(ply->source, 0, "no face has three corners");
+    if (!ply->index_count) return load_mesh_error(ply->source, 0, "no face has three corners");
     if (ply->index_count / 3 > UINT32_MAX)
-        return mesh_error(ply->source, 0, "there are too many triangles in it");
+        return load_mesh_error(ply->source, 0, "there are too many triangles in it");
     ply->raw.triangle_count = (uint32_t)(ply->index_count / 3);
     ply->raw.index = ply->index;
     if (!ply->grown) return SATIN_OK;
     ply->raw.index = arena_array(ply->source->arena, ply->index_count, sizeof(uint32_t));
-    if (!ply->raw.index) return mesh_no_memory(ply->source);
+    if (!ply->raw.index) return load_mesh_no_memory(ply->source);
     memcpy(ply->raw.index, ply->index, ply->index_count * sizeof(uint32_t));
     return SATIN_OK;
 }
@@ -226,13 +226,14 @@ satin_status load_mesh_ply(const struct load_source *source, const struct mesh_r
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct ply ply = {.source = source, .text = {data, data + size, 1}};
-    status = ply_header_read(source, &ply.text, &ply.header);
+    status = load_ply_header_read(source, &ply.text, &ply.header);
     if (status == SATIN_OK)
-        status = ply_attributes_find(source, &request->attributes, &ply.header, &ply.attributes);
+        status =
+            load_ply_attributes_find(source, &request->attributes, &ply.header, &ply.attributes);
     if (status == SATIN_OK) status = read_body(&ply);
-    if (status == SATIN_OK) status = ply_attributes_keep(source, &ply.attributes, &ply.raw);
-    ply_attributes_free(&ply.attributes);
+    if (status == SATIN_OK) status = load_ply_attributes_keep(source, &ply.attributes, &ply.raw);
+    load_ply_attributes_free(&ply.attributes);
     if (ply.grown) free(ply.index);
     free(data);
-    return status == SATIN_OK ? mesh_finish(source, request, &ply.raw, out) : status;
+    return status == SATIN_OK ? load_mesh_finish(source, request, &ply.raw, out) : status;
 }

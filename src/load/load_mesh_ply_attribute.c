@@ -13,7 +13,7 @@
 // ---- Names --------------------------------------------------------------------------------------
 
 static bool is_ply_property(const struct ply_property *property, const char *name) {
-    return !property->count_type && mesh_text_is(property->name, property->length, name);
+    return !property->count_type && load_mesh_text_is(property->name, property->length, name);
 }
 
 static int find_ply_property(const struct ply_header *header, const struct ply_element *element,
@@ -79,9 +79,9 @@ static bool find_ply_attribute(const struct ply_header *header, struct ply_attri
     return out->channels > 0;
 }
 
-satin_status ply_attributes_find(const struct load_source *source,
-                                 const struct attribute_names *names, struct ply_header *header,
-                                 struct ply_attributes *out) {
+satin_status load_ply_attributes_find(const struct load_source *source,
+                                      const struct attribute_names *names,
+                                      struct ply_header *header, struct ply_attributes *out) {
     for (int i = 0; i < names->count; i++) {
         struct ply_attribute *a = &out->attribute[out->count];
         *a = (struct ply_attribute){.name = names->name[i]};
@@ -92,21 +92,22 @@ satin_status ply_attributes_find(const struct load_source *source,
         if (a->per_face) continue;
         a->value = arena_array(source->arena, header->vertex_count * (size_t)a->channels,
                                sizeof *a->value);
-        if (!a->value) return mesh_no_memory(source);
+        if (!a->value) return load_mesh_no_memory(source);
     }
     return SATIN_OK;
 }
 
 // ---- Values -------------------------------------------------------------------------------------
 
-float ply_attribute_decode(enum ply_type type, double number) {
+float load_ply_attribute_decode(enum ply_type type, double number) {
     static const double largest[] = {
         [PLY_INT8] = 127.0,         [PLY_INT16] = 32767.0,       [PLY_UINT16] = 65535.0,
         [PLY_INT32] = 2147483647.0, [PLY_UINT32] = 4294967295.0, [PLY_DOUBLE] = 0.0};
-    return largest[type] > 0.0 ? srgb_to_linear((float)(number / largest[type])) : (float)number;
+    return largest[type] > 0.0 ? load_srgb_to_linear((float)(number / largest[type]))
+                               : (float)number;
 }
 
-void ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex) {
+void load_ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex) {
     for (int i = 0; i < attributes->count; i++) {
         const struct ply_attribute *a = &attributes->attribute[i];
         size_t n = (size_t)a->channels;
@@ -115,7 +116,7 @@ void ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex) {
     }
 }
 
-bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles) {
+bool load_ply_attributes_face(struct ply_attributes *attributes, size_t triangles) {
     for (int i = 0; i < attributes->count; i++) {
         struct ply_attribute *a = &attributes->attribute[i];
         size_t n = (size_t)a->channels;
@@ -129,20 +130,21 @@ bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles) {
     return true;
 }
 
-satin_status ply_attributes_keep(const struct load_source *source,
-                                 const struct ply_attributes *attributes, struct raw_mesh *raw) {
+satin_status load_ply_attributes_keep(const struct load_source *source,
+                                      const struct ply_attributes *attributes,
+                                      struct raw_mesh *raw) {
     if (!attributes->count) return SATIN_OK;
     struct mesh_attribute *kept =
         arena_array(source->arena, (size_t)attributes->count, sizeof *kept);
-    if (!kept) return mesh_no_memory(source);
+    if (!kept) return load_mesh_no_memory(source);
     for (int i = 0; i < attributes->count; i++) {
         const struct ply_attribute *a = &attributes->attribute[i];
         float *value = a->value;
         size_t count = a->per_face ? a->count : (size_t)raw->vertex_count * (size_t)a->channels;
-        mesh_attribute_check(source, a->name, value, count);
+        load_mesh_attribute_check(source, a->name, value, count);
         if (a->per_face) {
             value = arena_array(source->arena, a->count, sizeof *value);
-            if (!value) return mesh_no_memory(source);
+            if (!value) return load_mesh_no_memory(source);
             memcpy(value, a->value, a->count * sizeof *value);
         }
         kept[i] = (struct mesh_attribute){a->name, a->per_face, a->channels, value};
@@ -152,7 +154,7 @@ satin_status ply_attributes_keep(const struct load_source *source,
     return SATIN_OK;
 }
 
-void ply_attributes_free(struct ply_attributes *attributes) {
+void load_ply_attributes_free(struct ply_attributes *attributes) {
     for (int i = 0; i < attributes->count; i++)
         if (attributes->attribute[i].per_face) free(attributes->attribute[i].value);
 }

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-size_t ply_type_size(enum ply_type type) {
+size_t load_ply_type_size(enum ply_type type) {
     static const size_t size[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
     return size[type];
 }
@@ -18,7 +18,7 @@ struct words {
 };
 
 static bool word_is(const struct words *words, int i, const char *name) {
-    return i < words->count && mesh_text_is(words->word[i], words->length[i], name);
+    return i < words->count && load_mesh_text_is(words->word[i], words->length[i], name);
 }
 
 // Splits the line at the cursor into words and advances to the next line.
@@ -27,11 +27,11 @@ static struct words read_line(struct mesh_text *text) {
     const char *end = memchr(text->at, '\n', (size_t)(text->end - text->at));
     struct mesh_text line = {text->at, end ? end : text->end, text->line};
     for (; words.count < 6; words.count++) {
-        mesh_text_skip_blanks(&line);
-        words.length[words.count] = mesh_text_word(&line, &words.word[words.count]);
+        load_mesh_text_skip_blanks(&line);
+        words.length[words.count] = load_mesh_text_word(&line, &words.word[words.count]);
         if (!words.length[words.count]) break;
     }
-    mesh_text_next_line(text);
+    load_mesh_text_next_line(text);
     return words;
 }
 
@@ -69,7 +69,7 @@ static enum ply_role vertex_role(const struct words *words) {
 
 static satin_status ply_header_error(const struct load_source *source, const struct mesh_text *text,
                                      const char *what) {
-    return mesh_error(source, text->line - 1, "%s", what);  // the cursor is after the line
+    return load_mesh_error(source, text->line - 1, "%s", what);  // the cursor is after the line
 }
 
 static satin_status read_element(const struct load_source *source, struct mesh_text *text,
@@ -79,7 +79,7 @@ static satin_status read_element(const struct load_source *source, struct mesh_t
     struct ply_element element = {.kind = PLY_SKIPPED, .first = header->property_count};
     struct mesh_text number = {words->word[2], text->end, 0};
     int64_t count = -1;
-    if (words->count != 3 || !mesh_text_integer(&number, &count) || count < 0 ||
+    if (words->count != 3 || !load_mesh_text_integer(&number, &count) || count < 0 ||
         number.at != words->word[2] + words->length[2])
         return ply_header_error(source, text, "expected: element NAME COUNT");
     element.count = (uint64_t)count;
@@ -129,7 +129,7 @@ static uint64_t least_bytes(const struct ply_header *header, const struct ply_el
     uint64_t bytes = 0;
     for (int i = element->first; i < element->first + element->properties; i++) {
         const struct ply_property *p = &header->property[i];
-        bytes += header->text ? 2 : ply_type_size(p->count_type ? p->count_type : p->type);
+        bytes += header->text ? 2 : load_ply_type_size(p->count_type ? p->count_type : p->type);
     }
     return bytes;
 }
@@ -137,12 +137,12 @@ static uint64_t least_bytes(const struct ply_header *header, const struct ply_el
 static satin_status check_header(const struct load_source *source, const struct mesh_text *text,
                                  const struct ply_header *header) {
     if (!header->vertex_count || !header->has[PLY_X] || !header->has[PLY_Y] || !header->has[PLY_Z])
-        return mesh_error(source, 0, "there is no vertex with x, y and z in it");
+        return load_mesh_error(source, 0, "there is no vertex with x, y and z in it");
     bool corners = false;
     for (int i = 0; i < header->property_count; i++)
         corners = corners || header->property[i].role == PLY_CORNERS;
     if (!corners || !header->face_count)
-        return mesh_error(source, 0, "there is no face with a list of vertices in it");
+        return load_mesh_error(source, 0, "there is no face with a list of vertices in it");
     uint64_t left = (uint64_t)(text->end - text->at) + 1;  // 1 more, as the last number may end the
                                                            // file
     for (int i = 0; i < header->element_count; i++) {
@@ -150,22 +150,23 @@ static satin_status check_header(const struct load_source *source, const struct 
         uint64_t least = least_bytes(header, element);
         if (!least) continue;
         if (element->count > left / least)
-            return mesh_error(source, 0, "%llu items are declared, but the file is too short",
-                              (unsigned long long)element->count);
+            return load_mesh_error(source, 0, "%llu items are declared, but the file is too short",
+                                   (unsigned long long)element->count);
         left -= element->count * least;
     }
     return SATIN_OK;
 }
 
-satin_status ply_header_read(const struct load_source *source, struct mesh_text *text,
-                             struct ply_header *out) {
+satin_status load_ply_header_read(const struct load_source *source, struct mesh_text *text,
+                                  struct ply_header *out) {
     struct ply_header header = {0};
     struct words words = read_line(text);
     if (words.count != 1 || !word_is(&words, 0, "ply"))
-        return mesh_error(source, 0, "it is not a PLY file");
+        return load_mesh_error(source, 0, "it is not a PLY file");
     bool format = false;
     for (;;) {
-        if (text->at == text->end) return mesh_error(source, 0, "its header has no end_header");
+        if (text->at == text->end)
+            return load_mesh_error(source, 0, "its header has no end_header");
         words = read_line(text);
         satin_status status = SATIN_OK;
         if (word_is(&words, 0, "end_header")) break;
@@ -185,7 +186,7 @@ satin_status ply_header_read(const struct load_source *source, struct mesh_text 
         }
         if (status != SATIN_OK) return status;
     }
-    if (!format) return mesh_error(source, 0, "its header names no format");
+    if (!format) return load_mesh_error(source, 0, "its header names no format");
     satin_status status = check_header(source, text, &header);
     if (status == SATIN_OK) *out = header;
     return status;

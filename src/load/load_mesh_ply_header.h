@@ -61,13 +61,13 @@ struct ply_header {
     bool has[PLY_VERTEX_ROLES];
 };
 
-size_t ply_type_size(enum ply_type type);
+size_t load_ply_type_size(enum ply_type type);
 
 // Reads the header and leaves `text` at the line after end_header. Checks that there are vertices
 // with x, y and z and faces with a list of vertices, and that the declared counts fit into the rest
 // of the file.
-satin_status ply_header_read(const struct load_source *source, struct mesh_text *text,
-                             struct ply_header *out);
+satin_status load_ply_header_read(const struct load_source *source, struct mesh_text *text,
+                                  struct ply_header *out);
 
 // Properties that form an attribute of the mesh (load_mesh_ply_attribute.c).
 struct ply_attribute {
@@ -85,18 +85,19 @@ struct ply_attributes {
 };
 
 // Finds the attributes with a name in `names`, marks their properties and allocates their values.
-satin_status ply_attributes_find(const struct load_source *source,
-                                 const struct attribute_names *names, struct ply_header *header,
-                                 struct ply_attributes *out);
+satin_status load_ply_attributes_find(const struct load_source *source,
+                                      const struct attribute_names *names,
+                                      struct ply_header *header, struct ply_attributes *out);
 // The attribute value of a number in the file.
-float ply_attribute_decode(enum ply_type type, double number);
+float load_ply_attribute_decode(enum ply_type type, double number);
 // Store the values that were read for a vertex, and for a face, after which there are `triangles`
 // triangles. The second returns false if there is no memory.
-void ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex);
-bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles);
+void load_ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex);
+bool load_ply_attributes_face(struct ply_attributes *attributes, size_t triangles);
 // Moves the attributes to the arena.
-satin_status ply_attributes_keep(const struct load_source *source,
-                                 const struct ply_attributes *attributes, struct raw_mesh *raw);
-void ply_attributes_free(struct ply_attributes *attributes);
+satin_status load_ply_attributes_keep(const struct load_source *source,
+                                      const struct ply_attributes *attributes,
+                                      struct raw_mesh *raw);
+void load_ply_attributes_free(struct ply_attributes *attributes);
 
 #endif

@@ -52,8 +52,8 @@ static bool inflate_bytes(struct packed *packed, void *data, size_t size) {
 }
 
 static satin_status inflate_failed(const struct packed *packed) {
-    if (packed->no_memory) return mesh_no_memory(packed->source);
-    return mesh_error(packed->source, 0, "its compressed data is cut short or damaged");
+    if (packed->no_memory) return load_mesh_no_memory(packed->source);
+    return load_mesh_error(packed->source, 0, "its compressed data is cut short or damaged");
 }
 
 static uint64_t little_endian(const unsigned char *byte, size_t size) {
@@ -87,13 +87,13 @@ static satin_status inflate_words(struct packed *packed, size_t count, size_t si
     unsigned char *buffer = malloc((size_t)INFLATE_STEP * size);
     uint32_t *word = NULL;
     size_t done = 0, capacity = 0;
-    satin_status status = buffer ? SATIN_OK : mesh_no_memory(packed->source);
+    satin_status status = buffer ? SATIN_OK : load_mesh_no_memory(packed->source);
     while (status == SATIN_OK && done < count) {
         size_t n = count - done < INFLATE_STEP ? count - done : INFLATE_STEP;
         if (!inflate_bytes(packed, buffer, n * size)) {
             status = inflate_failed(packed);
         } else if (out && !array_reserve((void **)&word, &capacity, done + n, sizeof *word)) {
-            status = mesh_no_memory(packed->source);
+            status = load_mesh_no_memory(packed->source);
         } else {
             for (size_t i = 0; out && i < n; i++)
                 word[done + i] = decode_word(buffer + i * size, size);
@@ -116,7 +116,7 @@ static satin_status inflate_floats(struct packed *packed, size_t count, size_t s
     for (size_t i = 0; i < count; i++)
         if (!isfinite(value[i])) {
             free(words);
-            return mesh_error(packed->source, 0, "a number is not finite");
+            return load_mesh_error(packed->source, 0, "a number is not finite");
         }
     *out = words;
     return SATIN_OK;
@@ -139,8 +139,8 @@ static satin_status read_packed_header(struct packed *packed, struct packed_head
     uint64_t most = (uint64_t)LOAD_FILE_MAX * 1032 / 12;
     if (vertices == 0 || triangles == 0 || vertices > UINT32_MAX || triangles > UINT32_MAX ||
         vertices > most || triangles > most)
-        return mesh_error(packed->source, 0, "%llu vertices and %llu triangles are not a mesh",
-                          (unsigned long long)vertices, (unsigned long long)triangles);
+        return load_mesh_error(packed->source, 0, "%llu vertices and %llu triangles are not a mesh",
+                               (unsigned long long)vertices, (unsigned long long)triangles);
     *out = (struct packed_header){flags, vertices, triangles};
     return SATIN_OK;
 }
@@ -173,9 +173,9 @@ static satin_status keep_color(const struct packed *packed, const float *color,
     size_t n = (size_t)raw->vertex_count * 3;
     struct mesh_attribute *kept = arena_alloc(packed->source->arena, sizeof *kept);
     float *value = arena_array(packed->source->arena, n, sizeof *value);
-    if (!kept || !value) return mesh_no_memory(packed->source);
+    if (!kept || !value) return load_mesh_no_memory(packed->source);
     memcpy(value, color, n * sizeof *value);
-    mesh_attribute_check(packed->source, packed->color, value, n);
+    load_mesh_attribute_check(packed->source, packed->color, value, n);
     *kept = (struct mesh_attribute){packed->color, false, 3, value};
     raw->attribute = kept;
     raw->attribute_count = 1;
@@ -188,14 +188,14 @@ static satin_status assemble_serialized(const struct packed *packed,
     struct raw_mesh raw;
     size_t n = (size_t)header->vertices;
     satin_status status =
-        mesh_allocate(packed->source, (uint32_t)n, arrays->normal, arrays->uv, &raw);
+        load_mesh_allocate(packed->source, (uint32_t)n, arrays->normal, arrays->uv, &raw);
     if (status != SATIN_OK) return status;
     memcpy(raw.position, arrays->position, n * 3 * sizeof(float));
     if (raw.normal) memcpy(raw.normal, arrays->normal, n * 3 * sizeof(float));
     if (raw.uv) memcpy(raw.uv, arrays->uv, n * 2 * sizeof(float));
     raw.triangle_count = (uint32_t)header->triangles;
     raw.index = arena_array(packed->source->arena, (size_t)header->triangles * 3, sizeof(uint32_t));
-    if (!raw.index) return mesh_no_memory(packed->source);
+    if (!raw.index) return load_mesh_no_memory(packed->source);
     memcpy(raw.index, arrays->index, (size_t)header->triangles * 3 * sizeof(uint32_t));
     *out = raw;
     return arrays->color ? keep_color(packed, arrays->color, out) : SATIN_OK;
@@ -225,12 +225,13 @@ static satin_status find_mesh(const struct load_source *source, const unsigned c
     if (index == 0) return SATIN_OK;
     size_t entry = version == 4 ? 8 : 4;
     uint64_t count = size >= 4 ? little_endian(data + size - 4, 4) : 0;
-    if (count > (size - 4) / entry) return mesh_error(source, 0, "the table at its end is damaged");
+    if (count > (size - 4) / entry)
+        return load_mesh_error(source, 0, "the table at its end is damaged");
     if (index < 0 || (uint64_t)index >= count)
-        return mesh_error(source, 0, "there is no mesh %d in it, only 0 to %lld", index,
-                          (long long)count - 1);
+        return load_mesh_error(source, 0, "there is no mesh %d in it, only 0 to %lld", index,
+                               (long long)count - 1);
     uint64_t at = little_endian(data + size - 4 - (count - (uint64_t)index) * entry, entry);
-    if (at > size) return mesh_error(source, 0, "the table at its end is damaged");
+    if (at > size) return load_mesh_error(source, 0, "the table at its end is damaged");
     *start = (size_t)at;
     return SATIN_OK;
 }
@@ -250,14 +251,14 @@ static satin_status read_serialized_file(const struct load_source *source,
         if (strcmp(request->attributes.name[i], "vertex_color") == 0)
             packed.color = request->attributes.name[i];
     if (!packed.version)
-        return mesh_error(source, 0, "it is not a serialized mesh of version 3 or 4");
+        return load_mesh_error(source, 0, "it is not a serialized mesh of version 3 or 4");
     size_t start;
     satin_status status =
         find_mesh(source, data, size, packed.version, request->shape_index, &start);
     if (status != SATIN_OK) return status;
     packed.version = version_at(data, size, start);
-    if (!packed.version) return mesh_error(source, 0, "no mesh starts where its table says");
-    if (inflateInit(&packed.stream) != Z_OK) return mesh_no_memory(source);
+    if (!packed.version) return load_mesh_error(source, 0, "no mesh starts where its table says");
+    if (inflateInit(&packed.stream) != Z_OK) return load_mesh_no_memory(source);
     packed.stream.next_in = data + start + 4;
     packed.stream.avail_in = (uInt)(size - start - 4);
     status = read_packed_mesh(&packed, out);
@@ -274,5 +275,5 @@ satin_status load_mesh_serialized(const struct load_source *source,
     struct raw_mesh raw;
     status = read_serialized_file(source, request, (unsigned char *)data, size, &raw);
     free(data);
-    return status == SATIN_OK ? mesh_finish(source, request, &raw, out) : status;
+    return status == SATIN_OK ? load_mesh_finish(source, request, &raw, out) : status;
 }

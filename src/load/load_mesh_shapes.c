@@ -10,7 +10,7 @@ static satin_status make(struct arena *arena, const struct mesh_request *request
                          struct mesh *out) {
     struct load_source source = {.arena = arena, .path = "shape"};
     struct raw_mesh raw;
-    satin_status status = mesh_allocate(&source, vertices, true, true, &raw);
+    satin_status status = load_mesh_allocate(&source, vertices, true, true, &raw);
     if (status != SATIN_OK) return status;
     memcpy(raw.position, position, vertices * sizeof *position);
     memcpy(raw.uv, uv, vertices * sizeof *uv);
@@ -22,7 +22,7 @@ static satin_status make(struct arena *arena, const struct mesh_request *request
     for (uint32_t i = 0; i < raw.triangle_count * 3; i++) raw.index[i] = i / 6 * 4 + corner[i % 6];
     for (uint32_t i = 0; i < vertices; i++)
         memcpy(raw.normal + (size_t)i * 3, normal[i / 4], sizeof *normal);
-    return mesh_finish(&source, request, &raw, out);
+    return load_mesh_finish(&source, request, &raw, out);
 }
 
 satin_status load_mesh_rectangle(struct arena *arena, const struct mesh_request *request,

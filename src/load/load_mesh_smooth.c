@@ -93,7 +93,7 @@ static satin_status spread_attributes(const struct load_source *source, const st
         size_t n = (size_t)a->channels;
         if (a->per_triangle) continue;
         float *value = arena_array(source->arena, corners * n, sizeof *value);
-        if (!value) return mesh_no_memory(source);
+        if (!value) return load_mesh_no_memory(source);
         for (size_t k = 0; k < corners; k++)
             memcpy(value + k * n, a->value + raw->index[k] * n, n * sizeof *value);
         a->value = value;
@@ -101,18 +101,19 @@ static satin_status spread_attributes(const struct load_source *source, const st
     return SATIN_OK;
 }
 
-satin_status mesh_smooth(const struct load_source *source, float degrees, struct raw_mesh *raw) {
+satin_status load_mesh_smooth(const struct load_source *source, float degrees,
+                              struct raw_mesh *raw) {
     size_t count = (size_t)raw->triangle_count * 3;
     if (count > UINT32_MAX)
-        return mesh_error(source, 0, "it has too many triangles for max_smooth_angle");
+        return load_mesh_error(source, 0, "it has too many triangles for max_smooth_angle");
     struct raw_mesh out;
-    satin_status status = mesh_allocate(source, (uint32_t)count, true, raw->uv, &out);
+    satin_status status = load_mesh_allocate(source, (uint32_t)count, true, raw->uv, &out);
     if (status != SATIN_OK) return status;
     struct smooth_corner *corner = array_new(count, sizeof *corner);
     out.index = arena_array(source->arena, count, sizeof *out.index);
     if (!corner || !out.index) {
         free(corner);
-        return mesh_no_memory(source);
+        return load_mesh_no_memory(source);
     }
     smooth_corners(raw, corner, count, cosf(degrees * (PI_F / 180.0f)), out.normal);
     free(corner);

@@ -11,7 +11,7 @@ static bool is_blank(char c) {
 }
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-void mesh_text_skip_blanks(struct mesh_text *text) {
+void load_mesh_text_skip_blanks(struct mesh_text *text) {
     while (text->at < text->end) {
         if (is_blank(*text->at)) {
             text->at++;
@@ -26,7 +26,7 @@ void mesh_text_skip_blanks(struct mesh_text *text) {
     }
 }
 
-void mesh_text_skip_space(struct mesh_text *text) {
+void load_mesh_text_skip_space(struct mesh_text *text) {
     for (; text->at < text->end; text->at++) {
         if (*text->at == '\n')
             text->line++;
@@ -35,19 +35,19 @@ void mesh_text_skip_space(struct mesh_text *text) {
     }
 }
 
-void mesh_text_next_line(struct mesh_text *text) {
+void load_mesh_text_next_line(struct mesh_text *text) {
     const char *found = memchr(text->at, '\n', (size_t)(text->end - text->at));
     text->at = found ? found + 1 : text->end;
     if (found) text->line++;
 }
 
-size_t mesh_text_word(struct mesh_text *text, const char **word) {
+size_t load_mesh_text_word(struct mesh_text *text, const char **word) {
     *word = text->at;
     while (text->at < text->end && !is_blank(*text->at) && *text->at != '\n') text->at++;
     return (size_t)(text->at - *word);
 }
 
-bool mesh_text_is(const char *word, size_t length, const char *name) {
+bool load_mesh_text_is(const char *word, size_t length, const char *name) {
     return strlen(name) == length && memcmp(word, name, length) == 0;
 }
 
@@ -76,7 +76,7 @@ static const char *read_exponent(const char *at, const char *end, int *exponent)
     return p;
 }
 
-bool mesh_text_number(struct mesh_text *text, double *out) {
+bool load_mesh_text_number(struct mesh_text *text, double *out) {
     const char *p = text->at, *end = text->end;
     bool negative = p < end && *p == '-';
     if (p < end && (*p == '-' || *p == '+')) p++;
@@ -106,7 +106,7 @@ bool mesh_text_number(struct mesh_text *text, double *out) {
     return true;
 }
 
-bool mesh_text_integer(struct mesh_text *text, int64_t *out) {
+bool load_mesh_text_integer(struct mesh_text *text, int64_t *out) {
     const char *p = text->at, *end = text->end;
     bool negative = p < end && *p == '-';
     if (p < end && (*p == '-' || *p == '+')) p++;

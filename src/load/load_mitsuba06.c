@@ -121,7 +121,7 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
         steps = new_node(arena, node, XML_TRANSFORM, "name", "to_uv");
         if (!steps) return SATIN_ERROR_MEMORY;
         steps->name = "to_uv";
-        xml_append(parent, steps);
+        load_xml_append(parent, steps);
     }
     const bool both = strcmp(node->name, "uvscale") == 0;
     bool scale = both || strcmp(node->name + 1, "scale") == 0;
@@ -129,10 +129,10 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
                                      both                   ? "value"
                                      : node->name[0] == 'u' ? "x"
                                                             : "y",
-                                     xml_get(node, "value"));
+                                     load_xml_get(node, "value"));
     if (!step) return SATIN_ERROR_MEMORY;
     if (!scale || !steps->child) {
-        xml_append(steps, step);
+        load_xml_append(steps, step);
     } else {
         step->next = steps->child;
         steps->child = step;
@@ -142,7 +142,7 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
 
 // <blackbody name="..." temperature="5000K" scale="..."/>
 static satin_status respell_blackbody(struct arena *arena, struct xml_node *node) {
-    const char *kelvin = xml_get(node, "temperature"), *scale = xml_get(node, "scale");
+    const char *kelvin = load_xml_get(node, "temperature"), *scale = load_xml_get(node, "scale");
     size_t n = strlen(kelvin);
     if (n && (kelvin[n - 1] == 'K' || kelvin[n - 1] == 'k')) n--;
     const char *text = arena_text(arena, kelvin, n);
@@ -152,8 +152,8 @@ static satin_status respell_blackbody(struct arena *arena, struct xml_node *node
     t->name = "temperature";
     s->name = "scale";
     node->type = "blackbody";
-    xml_append(node, t);
-    xml_append(node, s);
+    load_xml_append(node, t);
+    load_xml_append(node, s);
     return SATIN_OK;
 }
 
@@ -175,7 +175,7 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
         *keep = false;
         return move_to_uv(arena, parent, node);
     }
-    const char *text = xml_get(node, "value");
+    const char *text = load_xml_get(node, "value");
     double gamma;
     if (is_element(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0 &&
         text_double(text, &gamma) && (gamma == 1.0 || gamma == -1.0 || gamma == 2.2)) {
@@ -199,12 +199,12 @@ satin_status load_mitsuba06_respell(struct log log, struct arena *arena, struct 
                                     struct xml_node *node, bool *keep) {
     *keep = true;
     node->mitsuba06 = true;
-    if (xml_is_object(node->tag) && node->type) node->type = plugin_name(node);
+    if (load_xml_is_object(node->tag) && node->type) node->type = plugin_name(node);
     if (node->name && !(node->name = snake_case(arena, node->name))) return SATIN_ERROR_MEMORY;
     if (is_element(parent, XML_BSDF, "diffuse") && node->name &&
         strcmp(node->name, "diffuse_reflectance") == 0)
         node->name = "reflectance";
-    if (node->tag == XML_SPECTRUM && xml_get(node, "temperature"))
+    if (node->tag == XML_SPECTRUM && load_xml_get(node, "temperature"))
         return respell_blackbody(arena, node);
     bool value = node->tag >= XML_BOOLEAN && node->tag <= XML_TRANSFORM;
     return parent && value && node->name ? respell_value(log, arena, parent, node, keep) : SATIN_OK;

@@ -84,7 +84,7 @@ static satin_status read_object(struct log log, struct params *out, const struct
         return unknown_parameter(log, plugin, child);
     else
         log_error_at(log, child->place, "%s '%s' takes no <%s>%s", load_plugin_noun(plugin->tag),
-                     plugin->name, xml_tag_name(target->tag),
+                     plugin->name, load_xml_tag_name(target->tag),
                      target->tag == XML_TEXTURE ? " without a name" : "");
     return SATIN_ERROR_INPUT;
 }
@@ -99,7 +99,7 @@ static void list_tags(unsigned accepted, char text[TAG_LIST]) {
         accepted &= ~(1u << tag);
         const char *before = length == 0 ? "" : accepted ? ", " : " or ";
         length += (size_t)snprintf(text + length, TAG_LIST - length, "%s<%s>", before,
-                                   xml_tag_name((enum xml_tag)tag));
+                                   load_xml_tag_name((enum xml_tag)tag));
     }
 }
 
@@ -110,7 +110,7 @@ static satin_status read_child(struct param_source source, struct params *out,
     const struct plugin_spec *plugin = out->plugin;
     if (!child->name) {
         log_error_at(log, child->place, "<%s> needs the attribute 'name'",
-                     xml_tag_name(child->tag));
+                     load_xml_tag_name(child->tag));
         return SATIN_ERROR_INPUT;
     }
     int i = find_spec(plugin, child->name);
@@ -130,23 +130,23 @@ static satin_status read_child(struct param_source source, struct params *out,
         char list[TAG_LIST];
         list_tags(accepted, list);
         log_error_at(log, child->place, "'%s' must be %s, not <%s>", child->name, list,
-                     xml_tag_name(target->tag));
+                     load_xml_tag_name(target->tag));
         return SATIN_ERROR_INPUT;
     }
     value->given = true;
     value->place = child->place;
-    return param_read(source, spec, target, value);
+    return load_param_read(source, spec, target, value);
 }
 
-satin_status params_read(struct param_source source, const struct plugin_spec *plugin,
-                         struct xml_node *node, struct params *out) {
+satin_status load_params_read(struct param_source source, const struct plugin_spec *plugin,
+                              struct xml_node *node, struct params *out) {
     *out = (struct params){.plugin = plugin, .node = node};
     for (struct xml_node *child = node->child; child; child = child->next) {
         struct xml_node *target = load_xml_target(source.xml, source.log, child);
         if (!target) return SATIN_ERROR_INPUT;
         // A colour that is only defined for references.
-        if (plugin->tag == XML_SCENE && target->id && !xml_is_object(target->tag)) continue;
-        satin_status status = xml_is_object(target->tag)
+        if (plugin->tag == XML_SCENE && target->id && !load_xml_is_object(target->tag)) continue;
+        satin_status status = load_xml_is_object(target->tag)
                                   ? read_object(source.log, out, child, target)
                                   : read_child(source, out, child, target);
         if (status != SATIN_OK) return status;
@@ -161,24 +161,24 @@ satin_status params_read(struct param_source source, const struct plugin_spec *p
             return SATIN_ERROR_INPUT;
         }
         if (!spec->default_text) continue;
-        satin_status status = param_read_default(source.log, spec, &out->value[i]);
+        satin_status status = load_param_read_default(source.log, spec, &out->value[i]);
         if (status != SATIN_OK) return status;
     }
     return SATIN_OK;
 }
 
-bool params_has(const struct params *params, const char *name) {
+bool load_params_has(const struct params *params, const char *name) {
     return find_spec(params->plugin, name) >= 0;
 }
 
-const struct param_value *param(const struct params *params, const char *name) {
+const struct param_value *load_param(const struct params *params, const char *name) {
     int i = find_spec(params->plugin, name);
     assert(i >= 0);
     return &params->value[i];
 }
 
-struct xml_node *params_child(const struct load_xml *xml, const struct xml_node *node,
-                              enum xml_tag tag, struct xml_node **after) {
+struct xml_node *load_params_child(const struct load_xml *xml, const struct xml_node *node,
+                                   enum xml_tag tag, struct xml_node **after) {
     struct xml_node *child = *after ? (*after)->next : node->child;
     for (; child; child = child->next) {
         struct xml_node *target = load_xml_target(xml, (struct log){0}, child);

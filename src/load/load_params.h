@@ -70,7 +70,7 @@ struct params;
 
 // Builds the object that an element describes. `object` is, by element: <bsdf> struct
 // material_side, <shape> struct shape, <emitter> struct light, <texture> struct texture, <sensor>
-// struct camera, <film> and <rfilter> struct film_spec; else NULL.
+// struct camera, <film> and <rfilter> struct scene_film; else NULL.
 typedef satin_status (*plugin_build)(struct load_state *loader, const struct params *params,
                                      void *object);
 
@@ -101,37 +101,37 @@ struct param_source {
 
 // Reads all parameters of an element. A parameter that is unknown, of another kind, given twice,
 // out of range or missing is an error, of which one is logged.
-satin_status params_read(struct param_source source, const struct plugin_spec *plugin,
-                         struct xml_node *node, struct params *out);
+satin_status load_params_read(struct param_source source, const struct plugin_spec *plugin,
+                              struct xml_node *node, struct params *out);
 
 // Whether the plugin has a parameter of that name.
-bool params_has(const struct params *params, const char *name);
+bool load_params_has(const struct params *params, const char *name);
 // A parameter by its name, which must be in the table.
-const struct param_value *param(const struct params *params, const char *name);
+const struct param_value *load_param(const struct params *params, const char *name);
 
 // The next child of an element after `after` (NULL: the first child) that is, or refers to, an
 // object of that tag. NULL at the end.
-struct xml_node *params_child(const struct load_xml *xml, const struct xml_node *node,
-                              enum xml_tag tag, struct xml_node **after);
+struct xml_node *load_params_child(const struct load_xml *xml, const struct xml_node *node,
+                                   enum xml_tag tag, struct xml_node **after);
 
 // ---- load_values.c
 // Read values from text; each logs an error at `place`. Numbers are finite; lists are separated by
 // blanks or commas.
-bool param_numbers(struct log log, struct log_place place, const char *text, int count,
-                   double *out);
+bool load_param_numbers(struct log log, struct log_place place, const char *text, int count,
+                        double *out);
 // Reads the next number of a list and advances *text. Logs an error if it is not a number.
-bool param_number(struct log log, struct log_place place, const char **text, double *out);
+bool load_param_number(struct log log, struct log_place place, const char **text, double *out);
 // The number of words of `text`.
-int param_words(const char *text);
+int load_param_words(const char *text);
 // Reads x, y and z, or the value, of an element. Absent coordinates are `missing`; if that is NaN,
 // they are an error.
-bool param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out);
+bool load_param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out);
 
 // Reads the value of a parameter from an element, or its default.
-satin_status param_read(struct param_source source, const struct param_spec *spec,
-                        struct xml_node *node, struct param_value *value);
-satin_status param_read_default(struct log log, const struct param_spec *spec,
-                                struct param_value *value);
+satin_status load_param_read(struct param_source source, const struct param_spec *spec,
+                             struct xml_node *node, struct param_value *value);
+satin_status load_param_read_default(struct log log, const struct param_spec *spec,
+                                     struct param_value *value);
 
 // The product of the steps of a <transform> (load_transform.c).
 satin_status load_transform(struct log log, const struct xml_node *node, struct mat4 *out);

@@ -70,7 +70,7 @@ char *load_path_any_case(const char *path) {
 }
 
 satin_status load_path_add(struct load_xml *xml, struct log log, const struct xml_node *node) {
-    const char *name = xml_get(node, "value");
+    const char *name = load_xml_get(node, "value");
     if (xml->search_count == XML_SEARCH_MAX) {
         log_error_at(log, node->place, "more than %d folders", XML_SEARCH_MAX);
         return SATIN_ERROR_INPUT;

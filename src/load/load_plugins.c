@@ -20,7 +20,7 @@ static const struct plugin_spec *const tables[] = {load_shape_plugins,
                                                    NULL};
 
 // Plugins that Mitsuba 3 has and satin does not read.
-struct unread_plugins {
+struct unread_kind {
     enum xml_tag tag;
     const char *const *name;
 };
@@ -38,7 +38,7 @@ static const char *const unread_sensors[] = {"distant",       "radiancemeter",  
 static const char *const unread_films[] = {"specfilm", NULL};
 static const char *const unread_integrators[] = {"depth", "volprim_rf_basic", "field", NULL};
 
-static const struct unread_plugins unread_plugins[] = {
+static const struct unread_kind unread_plugins[] = {
     {XML_SHAPE, unread_shapes},          {XML_BSDF, unread_bsdfs},
     {XML_TEXTURE, unread_textures},      {XML_EMITTER, unread_emitters},
     {XML_SENSOR, unread_sensors},        {XML_FILM, unread_films},
@@ -46,7 +46,7 @@ static const struct unread_plugins unread_plugins[] = {
 
 const char *load_plugin_noun(enum xml_tag tag) {
     if (tag == XML_BSDF) return "BRDF";
-    return tag == XML_RFILTER ? "filter" : xml_tag_name(tag);
+    return tag == XML_RFILTER ? "filter" : load_xml_tag_name(tag);
 }
 
 static bool is_unread(const struct xml_node *node) {
@@ -142,7 +142,7 @@ static const struct plugin_spec *plugin_at(int index) {
 bool load_plugin_describe(int index, struct load_plugin_info *out) {
     const struct plugin_spec *plugin = index >= 0 ? plugin_at(index) : NULL;
     if (!plugin) return false;
-    *out = (struct load_plugin_info){xml_tag_name(plugin->tag), plugin->name, plugin->doc};
+    *out = (struct load_plugin_info){load_xml_tag_name(plugin->tag), plugin->name, plugin->doc};
     return true;
 }
 
@@ -188,7 +188,8 @@ bool load_unread_describe(int index, struct load_plugin_info *out) {
     for (size_t i = 0; index >= 0 && i < sizeof unread_plugins / sizeof *unread_plugins; i++)
         for (const char *const *name = unread_plugins[i].name; *name; name++)
             if (index-- == 0) {
-                *out = (struct load_plugin_info){xml_tag_name(unread_plugins[i].tag), *name, NULL};
+                *out = (struct load_plugin_info){load_xml_tag_name(unread_plugins[i].tag), *name,
+                                                 NULL};
                 return true;
             }
     return false;

@@ -220,8 +220,8 @@ static param_list ward_params = {
 // A sum of reflectances over 1 is scaled to this, as in Mitsuba 0.6.
 #define ALBEDO_MOST 0.99f
 
-satin_status bsdf_set_color(struct load_state *loader, const struct param_value *value,
-                            struct material_side *side, enum brdf_slot slot) {
+satin_status load_bsdf_set_color(struct load_state *loader, const struct param_value *value,
+                                 struct material_side *side, enum brdf_slot slot) {
     rgb *field = brdf_color(&side->base, slot);
     *field = value->color;
     if (!value->texture) return SATIN_OK;
@@ -238,8 +238,8 @@ static float usable_roughness(struct load_state *loader, const struct param_valu
     return fmaxf(value->f, ALPHA_MIN);
 }
 
-satin_status bsdf_set_number(struct load_state *loader, const struct param_value *value,
-                             struct material_side *side, enum brdf_slot slot) {
+satin_status load_bsdf_set_number(struct load_state *loader, const struct param_value *value,
+                                  struct material_side *side, enum brdf_slot slot) {
     bool rough = slot == BRDF_SLOT_ALPHA_U || slot == BRDF_SLOT_ALPHA_V;
     float number = value->f;
     if (value->texture) {
@@ -255,24 +255,24 @@ satin_status bsdf_set_number(struct load_state *loader, const struct param_value
 // Reads alpha, or alpha_u and alpha_v.
 static satin_status set_alpha(struct load_state *loader, const struct params *p,
                               struct material_side *side) {
-    const struct param_value *u = param(p, "alpha_u"), *v = param(p, "alpha_v");
-    if (u->given != v->given || (u->given && param(p, "alpha")->given)) {
+    const struct param_value *u = load_param(p, "alpha_u"), *v = load_param(p, "alpha_v");
+    if (u->given != v->given || (u->given && load_param(p, "alpha")->given)) {
         log_error_at(loader->log, p->node->place,
                      "roughness is either alpha, or both alpha_u and alpha_v");
         return SATIN_ERROR_INPUT;
     }
-    if (!u->given) u = v = param(p, "alpha");
-    satin_status status = bsdf_set_number(loader, u, side, BRDF_SLOT_ALPHA_U);
-    return status == SATIN_OK ? bsdf_set_number(loader, v, side, BRDF_SLOT_ALPHA_V) : status;
+    if (!u->given) u = v = load_param(p, "alpha");
+    satin_status status = load_bsdf_set_number(loader, u, side, BRDF_SLOT_ALPHA_U);
+    return status == SATIN_OK ? load_bsdf_set_number(loader, v, side, BRDF_SLOT_ALPHA_V) : status;
 }
 
 static satin_status set_metal(struct load_state *loader, const struct params *p,
                               struct material_side *side) {
-    const struct param_value *eta = param(p, "eta"), *k = param(p, "k");
-    const struct param_value *material = param(p, "material");
+    const struct param_value *eta = load_param(p, "eta"), *k = load_param(p, "k");
+    const struct param_value *material = load_param(p, "material");
     if (!material->given) {
-        satin_status status = bsdf_set_color(loader, eta, side, BRDF_SLOT_ETA);
-        if (status == SATIN_OK) status = bsdf_set_color(loader, k, side, BRDF_SLOT_K);
+        satin_status status = load_bsdf_set_color(loader, eta, side, BRDF_SLOT_ETA);
+        if (status == SATIN_OK) status = load_bsdf_set_color(loader, k, side, BRDF_SLOT_K);
         // The default is a perfect mirror, in version 0.6 copper.
         rgb n, absorption;
         if (status == SATIN_OK && p->node->mitsuba06 && load_metal_find("Cu", &n, &absorption)) {
@@ -296,8 +296,8 @@ static satin_status set_metal(struct load_state *loader, const struct params *p,
     return SATIN_ERROR_INPUT;
 }
 
-bool bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name,
-                    float ior) {
+bool load_bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name,
+                         float ior) {
     if (ior >= BRDF_IOR_MIN && ior <= BRDF_IOR_MAX) return true;
     log_error_at(loader->log, place, "%s is %g, but must be in [%g, %g]", name, (double)ior,
                  (double)BRDF_IOR_MIN, (double)BRDF_IOR_MAX);
@@ -306,8 +306,8 @@ bool bsdf_ior_valid(struct load_state *loader, struct log_place place, const cha
 
 static satin_status set_ior(struct load_state *loader, const struct params *p,
                             struct material_side *side) {
-    side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
-    return bsdf_ior_valid(loader, p->node->place, "int_ior / ext_ior", side->base.ior)
+    side->base.ior = load_param(p, "int_ior")->f / load_param(p, "ext_ior")->f;
+    return load_bsdf_ior_valid(loader, p->node->place, "int_ior / ext_ior", side->base.ior)
                ? SATIN_OK
                : SATIN_ERROR_INPUT;
 }
@@ -315,9 +315,10 @@ static satin_status set_ior(struct load_state *loader, const struct params *p,
 // Reads ext_eta, the index of the medium outside of a metal.
 static satin_status set_outside(struct load_state *loader, const struct params *p,
                                 struct material_side *side) {
-    const struct param_value *outside = param(p, "ext_eta");
+    const struct param_value *outside = load_param(p, "ext_eta");
     if (outside->f == 1.0f) return SATIN_OK;
-    if (!bsdf_ior_valid(loader, outside->place, "ext_eta", outside->f)) return SATIN_ERROR_INPUT;
+    if (!load_bsdf_ior_valid(loader, outside->place, "ext_eta", outside->f))
+        return SATIN_ERROR_INPUT;
     if (side->slot[BRDF_SLOT_ETA] || side->slot[BRDF_SLOT_K]) {
         log_error_at(loader->log, outside->place, "ext_eta needs eta and k without textures");
         return SATIN_ERROR_INPUT;
@@ -349,7 +350,7 @@ static satin_status check_glossy_albedo(struct load_state *loader, const struct 
 }
 
 static satin_status build_diffuse(struct load_state *loader, const struct params *p, void *object) {
-    return bsdf_set_color(loader, param(p, "reflectance"), object, BRDF_SLOT_DIFFUSE);
+    return load_bsdf_set_color(loader, load_param(p, "reflectance"), object, BRDF_SLOT_DIFFUSE);
 }
 
 static satin_status build_conductor(struct load_state *loader, const struct params *p,
@@ -357,13 +358,14 @@ static satin_status build_conductor(struct load_state *loader, const struct para
     satin_status status = set_metal(loader, p, object);
     if (status == SATIN_OK) status = set_outside(loader, p, object);
     if (status != SATIN_OK) return status;
-    return bsdf_set_color(loader, param(p, "specular_reflectance"), object, BRDF_SLOT_SPECULAR);
+    return load_bsdf_set_color(loader, load_param(p, "specular_reflectance"), object,
+                               BRDF_SLOT_SPECULAR);
 }
 
 static satin_status build_roughconductor(struct load_state *loader, const struct params *p,
                                          void *object) {
     struct material_side *side = object;
-    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    side->base.distribution = (enum brdf_distribution)load_param(p, "distribution")->i;
     satin_status status = build_conductor(loader, p, side);
     return status == SATIN_OK ? set_alpha(loader, p, side) : status;
 }
@@ -373,16 +375,17 @@ static satin_status build_dielectric(struct load_state *loader, const struct par
     struct material_side *side = object;
     satin_status status = set_ior(loader, p, side);
     if (status == SATIN_OK)
-        status = bsdf_set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+        status = load_bsdf_set_color(loader, load_param(p, "specular_reflectance"), side,
+                                     BRDF_SLOT_SPECULAR);
     if (status != SATIN_OK) return status;
-    return bsdf_set_color(loader, param(p, "specular_transmittance"), side,
-                          BRDF_SLOT_TRANSMITTANCE);
+    return load_bsdf_set_color(loader, load_param(p, "specular_transmittance"), side,
+                               BRDF_SLOT_TRANSMITTANCE);
 }
 
 static satin_status build_roughdielectric(struct load_state *loader, const struct params *p,
                                           void *object) {
     struct material_side *side = object;
-    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    side->base.distribution = (enum brdf_distribution)load_param(p, "distribution")->i;
     satin_status status = build_dielectric(loader, p, side);
     if (status == SATIN_OK) status = set_alpha(loader, p, side);
     if (status != SATIN_OK || side->base.ior != 1.0f) return status;
@@ -398,44 +401,46 @@ static satin_status build_null(struct load_state *loader, const struct params *p
     return SATIN_OK;
 }
 
-satin_status bsdf_set_reflectances(struct load_state *loader, const struct params *p,
-                                   struct material_side *side) {
+satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct params *p,
+                                        struct material_side *side) {
     satin_status status =
-        bsdf_set_color(loader, param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
+        load_bsdf_set_color(loader, load_param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
     if (status != SATIN_OK) return status;
-    return bsdf_set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+    return load_bsdf_set_color(loader, load_param(p, "specular_reflectance"), side,
+                               BRDF_SLOT_SPECULAR);
 }
 
 static satin_status build_plastic(struct load_state *loader, const struct params *p, void *object) {
     struct material_side *side = object;
-    side->base.nonlinear = param(p, "nonlinear")->b;
+    side->base.nonlinear = load_param(p, "nonlinear")->b;
     satin_status status = set_ior(loader, p, side);
-    return status == SATIN_OK ? bsdf_set_reflectances(loader, p, side) : status;
+    return status == SATIN_OK ? load_bsdf_set_reflectances(loader, p, side) : status;
 }
 
 static satin_status build_roughplastic(struct load_state *loader, const struct params *p,
                                        void *object) {
     struct material_side *side = object;
-    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
-    side->base.alpha_u = side->base.alpha_v = usable_roughness(loader, param(p, "alpha"));
+    side->base.distribution = (enum brdf_distribution)load_param(p, "distribution")->i;
+    side->base.alpha_u = side->base.alpha_v = usable_roughness(loader, load_param(p, "alpha"));
     return build_plastic(loader, p, side);
 }
 
 static satin_status build_phong(struct load_state *loader, const struct params *p, void *object) {
-    satin_status status = bsdf_set_reflectances(loader, p, object);
+    satin_status status = load_bsdf_set_reflectances(loader, p, object);
     if (status == SATIN_OK)
-        status = bsdf_set_number(loader, param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
+        status =
+            load_bsdf_set_number(loader, load_param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
     return status == SATIN_OK ? check_glossy_albedo(loader, p, object) : status;
 }
 
 static satin_status build_ward(struct load_state *loader, const struct params *p, void *object) {
     struct material_side *side = object;
-    side->base.variant = (enum brdf_variant)param(p, "variant")->i;
-    satin_status status = bsdf_set_reflectances(loader, p, side);
+    side->base.variant = (enum brdf_variant)load_param(p, "variant")->i;
+    satin_status status = load_bsdf_set_reflectances(loader, p, side);
     if (status == SATIN_OK)
-        status = bsdf_set_number(loader, param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
+        status = load_bsdf_set_number(loader, load_param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
     if (status == SATIN_OK)
-        status = bsdf_set_number(loader, param(p, "alpha_v"), side, BRDF_SLOT_ALPHA_V);
+        status = load_bsdf_set_number(loader, load_param(p, "alpha_v"), side, BRDF_SLOT_ALPHA_V);
     return status == SATIN_OK ? check_glossy_albedo(loader, p, side) : status;
 }
 
@@ -461,16 +466,16 @@ const struct plugin_spec load_bsdf_plugins[] = {
     {XML_BSDF, "ward", "a diffuse component and Ward's anisotropic lobe", ward_params, 0,
      build_ward, false},
     {XML_BSDF, "lafortune", "a diffuse component and generalised cosine lobes",
-     bsdf_lafortune_params, 0, bsdf_lafortune_build, false},
+     bsdf_lafortune_params, 0, load_bsdf_lafortune_build, false},
     {XML_BSDF, "merl", "a measured BRDF of the MERL database", bsdf_measured_params, 0,
-     bsdf_merl_build, false},
+     load_bsdf_merl_build, false},
     {XML_BSDF, "tabulated", "a measured BRDF in satin's text form", bsdf_measured_params, 0,
-     bsdf_tabulated_build, false},
+     load_bsdf_tabulated_build, false},
     {XML_BSDF, "principled",
      "a mixture of diffuse, metallic, transmitted, sheen and clear-coat components",
-     bsdf_principled_params, 0, bsdf_principled_build, false},
+     bsdf_principled_params, 0, load_bsdf_principled_build, false},
     {XML_BSDF, "principledthin", "the principled BRDF of a thin sheet", bsdf_principledthin_params,
-     0, bsdf_principledthin_build, false},
+     0, load_bsdf_principledthin_build, false},
     {XML_BSDF, "twosided", "one BRDF for both sides, or two for front and back", NULL,
      1u << XML_BSDF, NULL, false},
     {XML_BSDF, "blendbsdf", "a weighted mean of two BRDFs", blend_params, 1u << XML_BSDF, NULL,

@@ -9,29 +9,33 @@ typedef const struct param_spec *const param_list[];
 
 // Sets the slot of a colour or a number from a parameter: its value, or its texture and, as a
 // constant for estimates, the texture's mean.
-satin_status bsdf_set_color(struct load_state *loader, const struct param_value *value,
-                            struct material_side *side, enum brdf_slot slot);
-satin_status bsdf_set_number(struct load_state *loader, const struct param_value *value,
-                             struct material_side *side, enum brdf_slot slot);
+satin_status load_bsdf_set_color(struct load_state *loader, const struct param_value *value,
+                                 struct material_side *side, enum brdf_slot slot);
+satin_status load_bsdf_set_number(struct load_state *loader, const struct param_value *value,
+                                  struct material_side *side, enum brdf_slot slot);
 
 // Whether an index of refraction, called `name`, is in range; else logs an error.
-bool bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name, float ior);
+bool load_bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name,
+                         float ior);
 
 // The diffuse and the specular factor that many BRDFs have: their table rows, and setting both.
 extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
-satin_status bsdf_set_reflectances(struct load_state *loader, const struct params *p,
-                                   struct material_side *side);
+satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct params *p,
+                                        struct material_side *side);
 
 // load_plugins_principled.c
 extern param_list bsdf_principled_params, bsdf_principledthin_params;
-satin_status bsdf_principled_build(struct load_state *loader, const struct params *p, void *object);
-satin_status bsdf_principledthin_build(struct load_state *loader, const struct params *p,
-                                       void *object);
+satin_status load_bsdf_principled_build(struct load_state *loader, const struct params *p,
+                                        void *object);
+satin_status load_bsdf_principledthin_build(struct load_state *loader, const struct params *p,
+                                            void *object);
 
 // load_plugins_measured.c
 extern param_list bsdf_lafortune_params, bsdf_measured_params;
-satin_status bsdf_lafortune_build(struct load_state *loader, const struct params *p, void *object);
-satin_status bsdf_merl_build(struct load_state *loader, const struct params *p, void *object);
-satin_status bsdf_tabulated_build(struct load_state *loader, const struct params *p, void *object);
+satin_status load_bsdf_lafortune_build(struct load_state *loader, const struct params *p,
+                                       void *object);
+satin_status load_bsdf_merl_build(struct load_state *loader, const struct params *p, void *object);
+satin_status load_bsdf_tabulated_build(struct load_state *loader, const struct params *p,
+                                       void *object);
 
 #endif

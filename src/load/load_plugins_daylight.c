@@ -81,16 +81,16 @@ static const struct param_spec *const daylight[] = {
 // The direction to the sun before to_world. `z_up`: in the axes of Mitsuba 3, whose x points to the
 // south and whose y to the west.
 static vec3 sun_of_date(const struct params *p, bool z_up) {
-    const struct sun_time time = {.year = param(p, "year")->i,
-                                  .month = param(p, "month")->i,
-                                  .day = param(p, "day")->i,
-                                  .hour = param(p, "hour")->f,
-                                  .minute = param(p, "minute")->f,
-                                  .second = param(p, "second")->f,
-                                  .latitude = param(p, "latitude")->f,
-                                  .longitude = param(p, "longitude")->f,
-                                  .timezone = param(p, "timezone")->f};
-    const vec3 w = sun_toward(&time);
+    const struct sun_time time = {.year = load_param(p, "year")->i,
+                                  .month = load_param(p, "month")->i,
+                                  .day = load_param(p, "day")->i,
+                                  .hour = load_param(p, "hour")->f,
+                                  .minute = load_param(p, "minute")->f,
+                                  .second = load_param(p, "second")->f,
+                                  .latitude = load_param(p, "latitude")->f,
+                                  .longitude = load_param(p, "longitude")->f,
+                                  .timezone = load_param(p, "timezone")->f};
+    const vec3 w = light_sun_toward(&time);
     return z_up ? v3(w.z, -w.x, w.y) : w;
 }
 
@@ -98,7 +98,7 @@ static vec3 sun_of_date(const struct params *p, bool z_up) {
 static satin_status set_transform(struct load_state *loader, const struct params *p, bool z_up,
                                   struct light *light) {
     const struct mat4 stand = z_up ? mat4_rotate(v3(1.0f, 0.0f, 0.0f), 90.0f) : mat4_identity();
-    light->to_world = mat4_mul(&param(p, "to_world")->m, &stand);
+    light->to_world = mat4_mul(&load_param(p, "to_world")->m, &stand);
     if (!mat4_inverse(&light->to_world, &light->to_local))
         return load_refuse(loader, p, "to_world is singular");
     return SATIN_OK;
@@ -107,7 +107,7 @@ static satin_status set_transform(struct load_state *loader, const struct params
 // Sets direction, size and radiance of the sun.
 static satin_status set_sun(struct load_state *loader, const struct params *p,
                             const struct sky *sky, float factor, struct light *light) {
-    const float degrees = param(p, "sun_aperture")->f * param(p, "sun_radius_scale")->f,
+    const float degrees = load_param(p, "sun_aperture")->f * load_param(p, "sun_radius_scale")->f,
                 aperture = degrees * (PI_F / 180.0f);
     if (!(aperture < 0.5f * PI_F))
         return load_refuse(loader, p, "its sun_aperture is not below 90 degrees");
@@ -115,7 +115,7 @@ static satin_status set_sun(struct load_state *loader, const struct params *p,
     const float natural = SKY_SUN_APERTURE * (PI_F / 180.0f);
     light->sun_chord = 2.0f * sinf(0.25f * aperture);
     const float shrink = sqrf(2.0f * sinf(0.25f * natural) / light->sun_chord);
-    light->sun_value = rgb_scale(sky_sun(sky), factor * shrink);
+    light->sun_value = rgb_scale(light_sky_sun(sky), factor * shrink);
     return SATIN_OK;
 }
 
@@ -123,27 +123,29 @@ static satin_status set_sun(struct load_state *loader, const struct params *p,
 static satin_status build_daylight(struct load_state *loader, const struct params *p,
                                    struct light *light, float has_sky, float has_sun) {
     const bool z_up = !p->node->mitsuba06;
-    const float all = param(p, "scale")->f;
-    const struct param_value *given = param(p, "sun_direction"), *albedo = param(p, "albedo");
+    const float all = load_param(p, "scale")->f;
+    const struct param_value *given = load_param(p, "sun_direction"),
+                             *albedo = load_param(p, "albedo");
     light->kind = LIGHT_ENVMAP;
-    light->value = rgb_grey(all * has_sky * param(p, "sky_scale")->f);
+    light->value = rgb_grey(all * has_sky * load_param(p, "sky_scale")->f);
     satin_status status = set_transform(loader, p, z_up, light);
     if (status != SATIN_OK) return status;
     const vec3 sun =
-        given->given ? given->v : mat4_vector(&param(p, "to_world")->m, sun_of_date(p, z_up));
+        given->given ? given->v : mat4_vector(&load_param(p, "to_world")->m, sun_of_date(p, z_up));
     light->sun = v3_unit(sun);
     const struct sky sky = {
-        .turbidity = param(p, "turbidity")->f,
+        .turbidity = load_param(p, "turbidity")->f,
         .albedo = albedo->given || z_up ? albedo->color : rgb_grey(MITSUBA06_ALBEDO),
         .sun = v3_unit(mat4_vector(&light->to_local, light->sun))};
     if (!(sky.turbidity >= SKY_TURBIDITY_MIN && sky.turbidity <= SKY_TURBIDITY_MAX))
         return load_refuse(loader, p, "its turbidity is not in [1, 10]");
     if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
         return load_refuse(loader, p, "its sun is below the horizon");
-    status = set_sun(loader, p, &sky, all * has_sun * param(p, "sun_scale")->f, light);
+    status = set_sun(loader, p, &sky, all * has_sun * load_param(p, "sun_scale")->f, light);
     if (status != SATIN_OK) return status;
     struct image *image = arena_alloc(&loader->scene->arena, sizeof *image);
-    if (!image || !sky_image(&loader->scene->arena, &sky, image)) return load_no_memory(loader);
+    if (!image || !light_sky_image(&loader->scene->arena, &sky, image))
+        return load_no_memory(loader);
     light->image = image;
     return SATIN_OK;
 }

@@ -145,7 +145,7 @@ static param_list orthogonal_params = {&sample_count, &seed, &jitter, &strength,
 // Checks a width, height or offset of the film or its crop window.
 static satin_status check_side(struct load_state *loader, const struct params *p,
                                const char *name) {
-    const struct param_value *value = param(p, name);
+    const struct param_value *value = load_param(p, name);
     if (value->i <= FILM_SIDE_MAX) return SATIN_OK;
     log_error_at(loader->log, value->place, "%s is %d, but at most %d pixels are supported", name,
                  value->i, FILM_SIDE_MAX);
@@ -160,12 +160,12 @@ static bool is_one_of(const char *word, const char *const *list) {
 
 // Reads the formats of pixels and of their components, in any case of letters, as in Mitsuba.
 static void read_formats(struct load_state *loader, const struct params *p,
-                         struct film_spec *film) {
+                         struct scene_film *film) {
     static const char *const plain[] = {"luminance", "rgb", "xyz", "multichannel", NULL};
     static const char *const alpha[] = {"luminance_alpha", "luminancealpha", "rgba", "xyza", NULL};
     static const char *const component[] = {"float16", "float32", "uint32", NULL};
-    const struct param_value *pixel = param(p, "pixel_format"),
-                             *size = param(p, "component_format");
+    const struct param_value *pixel = load_param(p, "pixel_format"),
+                             *size = load_param(p, "component_format");
     film->alpha = is_one_of(pixel->s, alpha);
     film->full_float = text_same_name(size->s, "float32");
     if (!film->alpha && !is_one_of(pixel->s, plain))
@@ -177,18 +177,18 @@ static void read_formats(struct load_state *loader, const struct params *p,
 }
 
 static satin_status build_film(struct load_state *loader, const struct params *p, void *object) {
-    struct film_spec *film = object;
+    struct scene_film *film = object;
     const char *const sides[] = {"width",         "height",     "crop_offset_x",
                                  "crop_offset_y", "crop_width", "crop_height"};
     for (int i = 0; i < 6; i++) {
         satin_status status = check_side(loader, p, sides[i]);
         if (status != SATIN_OK) return status;
     }
-    film->width = param(p, "width")->i;
-    film->height = param(p, "height")->i;
-    film->crop_x = param(p, "crop_offset_x")->i;
-    film->crop_y = param(p, "crop_offset_y")->i;
-    const struct param_value *w = param(p, "crop_width"), *h = param(p, "crop_height");
+    film->width = load_param(p, "width")->i;
+    film->height = load_param(p, "height")->i;
+    film->crop_x = load_param(p, "crop_offset_x")->i;
+    film->crop_y = load_param(p, "crop_offset_y")->i;
+    const struct param_value *w = load_param(p, "crop_width"), *h = load_param(p, "crop_height");
     film->crop_width = w->given ? w->i : film->width;
     film->crop_height = h->given ? h->i : film->height;
     if (film->crop_x + film->crop_width > film->width ||
@@ -202,7 +202,7 @@ static satin_status build_film(struct load_state *loader, const struct params *p
 
 static satin_status build_box(struct load_state *loader, const struct params *p, void *object) {
     (void)loader, (void)p;
-    struct film_spec *film = object;
+    struct scene_film *film = object;
     film->filter = FILTER_BOX;
     film->radius = 0.5f;
     return SATIN_OK;
@@ -212,28 +212,28 @@ static satin_status build_box(struct load_state *loader, const struct params *p,
 #define FILTER_RADIUS_MAX 100.0f
 
 static satin_status check_radius(struct load_state *loader, const struct params *p,
-                                 const struct film_spec *film) {
+                                 const struct scene_film *film) {
     if (film->radius >= 1e-3f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
     return load_refuse(loader, p, "it is too narrow or too wide");
 }
 
 static satin_status build_tent(struct load_state *loader, const struct params *p, void *object) {
-    struct film_spec *film = object;
+    struct scene_film *film = object;
     film->filter = FILTER_TENT;
-    film->radius = param(p, "radius")->f;
+    film->radius = load_param(p, "radius")->f;
     return check_radius(loader, p, film);
 }
 
 static satin_status build_gaussian(struct load_state *loader, const struct params *p,
                                    void *object) {
-    struct film_spec *film = object;
+    struct scene_film *film = object;
     film->filter = FILTER_GAUSSIAN;
-    film->stddev = param(p, "stddev")->f;
+    film->stddev = load_param(p, "stddev")->f;
     film->radius = 4.0f * film->stddev;
     return check_radius(loader, p, film);
 }
 
-static satin_status build_cubic(struct film_spec *film, float b, float c) {
+static satin_status build_cubic(struct scene_film *film, float b, float c) {
     film->filter = FILTER_CUBIC;
     film->radius = 2.0f;
     film->b = b;
@@ -244,7 +244,7 @@ static satin_status build_cubic(struct film_spec *film, float b, float c) {
 static satin_status build_mitchell(struct load_state *loader, const struct params *p,
                                    void *object) {
     (void)loader;
-    return build_cubic(object, param(p, "B")->f, param(p, "C")->f);
+    return build_cubic(object, load_param(p, "B")->f, load_param(p, "C")->f);
 }
 
 static satin_status build_catmullrom(struct load_state *loader, const struct params *p,
@@ -254,16 +254,17 @@ static satin_status build_catmullrom(struct load_state *loader, const struct par
 }
 
 static satin_status build_lanczos(struct load_state *loader, const struct params *p, void *object) {
-    struct film_spec *film = object;
+    struct scene_film *film = object;
     film->filter = FILTER_LANCZOS;
-    film->radius = param(p, "lobes")->f;
+    film->radius = load_param(p, "lobes")->f;
     if (film->radius >= 1.0f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
     return load_refuse(loader, p, "it has less than one lobe, or over 100");
 }
 
 static satin_status build_sampler(struct load_state *loader, const struct params *p, void *object) {
     (void)object;
-    if (param(p, "sample_count")->given) loader->scene->hints.spp = param(p, "sample_count")->i;
+    if (load_param(p, "sample_count")->given)
+        loader->scene->hints.spp = load_param(p, "sample_count")->i;
     return SATIN_OK;
 }
 

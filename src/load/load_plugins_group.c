@@ -35,7 +35,7 @@ static satin_status add_children(struct load_state *loader, const struct params 
     loader->shape_depth++;
     satin_status status = SATIN_OK;
     struct xml_node *at = NULL, *child;
-    while (status == SATIN_OK && (child = params_child(&loader->xml, p->node, XML_SHAPE, &at)))
+    while (status == SATIN_OK && (child = load_params_child(&loader->xml, p->node, XML_SHAPE, &at)))
         status = load_shape_add(loader, child);
     loader->shape_depth--;
     return status;
@@ -67,14 +67,14 @@ static satin_status add_group(struct load_state *loader, const struct params *p)
 
 static satin_status add_instance(struct load_state *loader, const struct params *p) {
     if (loader->open_group) return load_refuse(loader, p, "it cannot be part of a group");
-    struct xml_node *at = NULL, *group = params_child(&loader->xml, p->node, XML_SHAPE, &at);
-    if (!group || params_child(&loader->xml, p->node, XML_SHAPE, &at) ||
+    struct xml_node *at = NULL, *group = load_params_child(&loader->xml, p->node, XML_SHAPE, &at);
+    if (!group || load_params_child(&loader->xml, p->node, XML_SHAPE, &at) ||
         strcmp(group->type, "shapegroup") != 0)
         return load_refuse(loader, p, "it takes one shapegroup");
     satin_status status = group->group ? SATIN_OK : load_shape_add(loader, group);
     if (status != SATIN_OK) return status;
     struct shape shape = {.kind = SHAPE_INSTANCE, .instance_of = group->group - 1, .light = -1};
-    if (!scene_shape_transform(&shape, &param(p, "to_world")->m))
+    if (!scene_shape_transform(&shape, &load_param(p, "to_world")->m))
         return load_refuse(loader, p, "to_world is singular");
     if (group->group == GROUP_EMPTY) return SATIN_OK;
     shape.name = load_keep_text(loader, p->node->id ? p->node->id : p->plugin->name);

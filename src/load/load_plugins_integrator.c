@@ -103,12 +103,12 @@ static satin_status read_options(struct load_state *loader, const struct xml_nod
     for (const struct xml_node *child = node->child; child; child = child->next, count++) {
         if (child->tag < XML_BOOLEAN || child->tag > XML_STRING) {
             log_error_at(loader->log, child->place, "<%s> is not an option of satin",
-                         xml_tag_name(child->tag));
+                         load_xml_tag_name(child->tag));
             return SATIN_ERROR_INPUT;
         }
         struct scene_option *o = &option[count];
         o->name = load_keep_text(loader, child->name);
-        o->value = load_keep_text(loader, xml_get(child, "value"));
+        o->value = load_keep_text(loader, load_xml_get(child, "value"));
         o->place = child->place;
         o->place.file = load_keep_text(loader, child->place.file);
         if (!o->name || !o->value || !o->place.file) return load_no_memory(loader);
@@ -131,12 +131,12 @@ static satin_status read_moment(struct load_state *loader, const struct xml_node
 // Reads the integrator inside of another one, such as `aov`, if there is one.
 static satin_status read_inner(struct load_state *loader, struct xml_node *node, int depth) {
     const int first = loader->scene->hints.aovs.count;
-    struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at);
+    struct xml_node *at = NULL, *inner = load_params_child(&loader->xml, node, XML_INTEGRATOR, &at);
     if (!inner) return SATIN_OK;
     struct xml_node *another = at;
     if (depth == INTEGRATOR_NESTING_MAX)
         log_error_at(loader->log, at->place, "integrators are nested too deep");
-    else if (params_child(&loader->xml, node, XML_INTEGRATOR, &another))
+    else if (load_params_child(&loader->xml, node, XML_INTEGRATOR, &another))
         log_error_at(loader->log, another->place, "integrator '%s': it takes one integrator",
                      node->type);
     else if (strcmp(inner->type, "satin") == 0)
@@ -153,10 +153,12 @@ static satin_status read_bounds(struct load_state *loader, struct xml_node *node
     if (status == SATIN_OK) status = read_inner(loader, node, depth);
     if (status != SATIN_OK) return status;
     struct scene_hints *hints = &loader->scene->hints;
-    if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;
+    if (load_param(&p, "hide_emitters")->given)
+        hints->hide_emitters = load_param(&p, "hide_emitters")->b;
     if (strcmp(node->type, "moment") == 0) return SATIN_OK;
-    if (strcmp(node->type, "aov") == 0) return load_aovs(loader, param(&p, "aovs"), &hints->aovs);
-    const struct param_value *longest = param(&p, "max_depth");
+    if (strcmp(node->type, "aov") == 0)
+        return load_aovs(loader, load_param(&p, "aovs"), &hints->aovs);
+    const struct param_value *longest = load_param(&p, "max_depth");
     if (longest->i < -1) {
         log_error_at(loader->log, longest->place, "max_depth is %d, but must be -1 or more",
                      longest->i);
@@ -164,7 +166,7 @@ static satin_status read_bounds(struct load_state *loader, struct xml_node *node
     }
     if (strcmp(node->type, "direct") == 0) hints->max_depth = 2;
     if (longest->given) hints->max_depth = longest->i;
-    if (param(&p, "rr_depth")->given) hints->rr_depth = param(&p, "rr_depth")->i;
+    if (load_param(&p, "rr_depth")->given) hints->rr_depth = load_param(&p, "rr_depth")->i;
     return SATIN_OK;
 }
 

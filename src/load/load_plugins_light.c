@@ -156,7 +156,7 @@ static param_list envmap_params = {&envmap_file,  &envmap_scale,    &sky_to_worl
 // Reads to_world, and sets position, direction and inverse.
 static satin_status set_light_position(struct load_state *loader, const struct params *p,
                                        struct light *light) {
-    light->to_world = param(p, "to_world")->m;
+    light->to_world = load_param(p, "to_world")->m;
     if (!mat4_inverse(&light->to_world, &light->to_local))
         return load_refuse(loader, p, "to_world is singular");
     light->position = mat4_point(&light->to_world, v3(0, 0, 0));
@@ -168,7 +168,7 @@ static satin_status set_light_position(struct load_state *loader, const struct p
 
 static satin_status build_area(struct load_state *loader, const struct params *p, void *object) {
     struct light *light = object;
-    const struct param_value *value = param(p, "radiance");
+    const struct param_value *value = load_param(p, "radiance");
     light->kind = LIGHT_AREA;
     light->value = value->color;
     if (!value->texture) return SATIN_OK;
@@ -185,10 +185,10 @@ static satin_status build_beam(struct load_state *loader, const struct params *p
 
 static satin_status build_point(struct load_state *loader, const struct params *p, void *object) {
     struct light *light = object;
-    const struct param_value *at = param(p, "position");
+    const struct param_value *at = load_param(p, "position");
     light->kind = LIGHT_POINT;
-    light->value = param(p, "intensity")->color;
-    if (at->given && param(p, "to_world")->given)
+    light->value = load_param(p, "intensity")->color;
+    if (at->given && load_param(p, "to_world")->given)
         return load_refuse(loader, p, "it has both a position and a to_world");
     satin_status status = set_light_position(loader, p, light);
     if (at->given) light->position = at->v;
@@ -207,12 +207,12 @@ static satin_status build_projector(struct load_state *loader, const struct para
                                     void *object) {
     struct light *light = object;
     light->kind = LIGHT_PROJECTOR;
-    light->value = rgb_grey(param(p, "scale")->f);
-    satin_status status = set_texture(loader, param(p, "irradiance"), light);
+    light->value = rgb_grey(load_param(p, "scale")->f);
+    satin_status status = set_texture(loader, load_param(p, "irradiance"), light);
     if (status == SATIN_OK) status = set_light_position(loader, p, light);
     if (status != SATIN_OK) return status;
     // The aspect ratio of the slide is that of its image.
-    const struct texture *shown = texture_unscaled(light->texture);
+    const struct texture *shown = scene_texture_unscaled(light->texture);
     const struct image *image = shown ? shown->image : NULL;
     double aspect = image ? (double)image->width / image->height : 1.0;
     float tan[2];
@@ -225,14 +225,14 @@ static satin_status build_projector(struct load_state *loader, const struct para
 
 static satin_status build_spot(struct load_state *loader, const struct params *p, void *object) {
     struct light *light = object;
-    float cutoff = param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
-    if (param(p, "beam_width")->given) beam = param(p, "beam_width")->f;
+    float cutoff = load_param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
+    if (load_param(p, "beam_width")->given) beam = load_param(p, "beam_width")->f;
     if (cutoff > 180.0f) return load_refuse(loader, p, "its cutoff_angle is over 180 degrees");
     if (beam > cutoff)
         return load_refuse(loader, p, "its beam_width is larger than its cutoff_angle");
     light->kind = LIGHT_SPOT;
-    light->value = param(p, "intensity")->color;
-    satin_status status = set_texture(loader, param(p, "texture"), light);
+    light->value = load_param(p, "intensity")->color;
+    satin_status status = set_texture(loader, load_param(p, "texture"), light);
     if (status != SATIN_OK) return status;
     if (light->texture && cutoff >= 90.0f)
         return load_refuse(loader, p, "its texture needs a cutoff_angle below 90 degrees");
@@ -244,10 +244,10 @@ static satin_status build_spot(struct load_state *loader, const struct params *p
 static satin_status build_directional(struct load_state *loader, const struct params *p,
                                       void *object) {
     struct light *light = object;
-    const struct param_value *towards = param(p, "direction");
+    const struct param_value *towards = load_param(p, "direction");
     light->kind = LIGHT_DIRECTIONAL;
-    light->value = param(p, "irradiance")->color;
-    if (towards->given && param(p, "to_world")->given)
+    light->value = load_param(p, "irradiance")->color;
+    if (towards->given && load_param(p, "to_world")->given)
         return load_refuse(loader, p, "it has both a direction and a to_world");
     satin_status status = set_light_position(loader, p, light);
     if (status != SATIN_OK || !towards->given) return status;
@@ -261,7 +261,7 @@ static satin_status build_constant_light(struct load_state *loader, const struct
     (void)loader;
     struct light *light = object;
     light->kind = LIGHT_CONSTANT;
-    light->value = param(p, "radiance")->color;
+    light->value = load_param(p, "radiance")->color;
     light->to_world = light->to_local = mat4_identity();
     return SATIN_OK;
 }
@@ -269,11 +269,11 @@ static satin_status build_constant_light(struct load_state *loader, const struct
 static satin_status build_envmap(struct load_state *loader, const struct params *p, void *object) {
     struct light *light = object;
     light->kind = LIGHT_ENVMAP;
-    light->value = rgb_grey(param(p, "scale")->f);
+    light->value = rgb_grey(load_param(p, "scale")->f);
     satin_status status = set_light_position(loader, p, light);
     if (status != SATIN_OK) return status;
     struct load_source source;
-    status = load_file_source(loader, param(p, "filename"), &source);
+    status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
     status = load_image(&source, false, &light->image);
     free((char *)source.path);
@@ -325,7 +325,8 @@ satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, 
     if (status != SATIN_OK) return status;
     // An area light outside of a shape is only defined for references.
     bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
-    if (waits && !xml_get(node, "id")) return load_refuse(loader, &p, "it must be part of a shape");
+    if (waits && !load_xml_get(node, "id"))
+        return load_refuse(loader, &p, "it must be part of a shape");
     if (waits || (rgb_black(light.value) && rgb_black(light.sun_value))) return SATIN_OK;
     void *items = loader->light;
     if (!array_reserve(&items, &loader->light_capacity, loader->light_count + 1, sizeof light))

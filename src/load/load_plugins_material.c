@@ -20,7 +20,7 @@ static satin_status build_nested(struct load_state *loader, const struct params 
                                  int most, struct material *out, int *count) {
     struct xml_node *at = NULL, *child;
     int n = 0;
-    while ((child = params_child(&loader->xml, p->node, XML_BSDF, &at)) && n < most) {
+    while ((child = load_params_child(&loader->xml, p->node, XML_BSDF, &at)) && n < most) {
         satin_status status = load_material_build(loader, child, &out[n]);
         if (status != SATIN_OK) return status;
         n++;
@@ -150,7 +150,7 @@ static satin_status build_blend(struct load_state *loader, const struct params *
     int count;
     satin_status status = build_nested(loader, p, 2, 2, component, &count);
     if (status == SATIN_OK)
-        status = find_weight(loader, param(p, "weight"), param(p, "weight")->f, &weight);
+        status = find_weight(loader, load_param(p, "weight"), load_param(p, "weight")->f, &weight);
     if (status != SATIN_OK) return status;
     out->two_sided = component[0].two_sided || component[1].two_sided;
     out->tangent = component[0].tangent || component[1].tangent;
@@ -173,7 +173,7 @@ static satin_status build_blend(struct load_state *loader, const struct params *
 // Builds a blend of a null BRDF and the nested BRDF.
 static satin_status build_mask(struct load_state *loader, const struct params *p,
                                struct material *out) {
-    const struct param_value *opacity = param(p, "opacity");
+    const struct param_value *opacity = load_param(p, "opacity");
     struct material_side hole = {.index = loader->scene->side_count++, .holes = true};
     struct blend_weight_value weight;
     int count;
@@ -197,7 +197,7 @@ static satin_status set_bump(struct load_state *loader, const struct params *p,
                              struct material_side *leaf, const void *ctx) {
     const struct material_bump *bump = ctx;
     if (leaf->holes) return SATIN_OK;
-    if (bump_used(&leaf->bump[1]))
+    if (scene_bump_used(&leaf->bump[1]))
         return material_error(loader, p, "cannot wrap two more bumpmaps or normalmaps");
     leaf->bump[1] = leaf->bump[0];
     leaf->bump[0] = *bump;
@@ -207,17 +207,18 @@ static satin_status set_bump(struct load_state *loader, const struct params *p,
 static satin_status build_bump_or_normal(struct load_state *loader, const struct params *p,
                                          bool heights, struct material *out) {
     struct material_bump bump = {.outside = true,
-                                 .upright = param(p, "flip_invalid_normals")->b,
-                                 .shadows = param(p, "use_shadowing_function")->b};
-    struct xml_node *at = NULL, *map = heights
-                                           ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
-                                           : param(p, "normalmap")->texture;
+                                 .upright = load_param(p, "flip_invalid_normals")->b,
+                                 .shadows = load_param(p, "use_shadowing_function")->b};
+    struct xml_node *at = NULL,
+                    *map = heights ? load_params_child(&loader->xml, p->node, XML_TEXTURE, &at)
+                                   : load_param(p, "normalmap")->texture;
     if (!map) return material_error(loader, p, "needs a <texture>");
-    if (heights && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
+    if (heights && load_params_child(&loader->xml, p->node, XML_TEXTURE, &at))
         return material_error(loader, p, "takes one <texture>");
-    if (heights) bump.scale = param(p, "scale")->f;
+    if (heights) bump.scale = load_param(p, "scale")->f;
     satin_status status = load_texture_of(loader, map, heights ? &bump.height : &bump.normal);
-    if (status == SATIN_OK && heights && texture_unscaled(bump.height)->kind == TEXTURE_ATTRIBUTE)
+    if (status == SATIN_OK && heights &&
+        scene_texture_unscaled(bump.height)->kind == TEXTURE_ATTRIBUTE)
         return material_error(loader, p, "cannot take heights from a mesh attribute");
     int count;
     if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);
@@ -278,8 +279,8 @@ static satin_status default_material(struct load_state *loader, bool emits, stru
 // Builds a replacement for an unknown BRDF: the BRDF that it contains, or a grey diffuse one.
 static satin_status build_stand_in(struct load_state *loader, struct xml_node *node,
                                    struct material *out) {
-    struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_BSDF, &at);
-    if (!inner || params_child(&loader->xml, node, XML_BSDF, &at)) {
+    struct xml_node *at = NULL, *inner = load_params_child(&loader->xml, node, XML_BSDF, &at);
+    if (!inner || load_params_child(&loader->xml, node, XML_BSDF, &at)) {
         satin_status status = default_material(loader, false, out);
         out->two_sided = true;
         return status;
@@ -309,7 +310,7 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
     loader->bsdf_depth++;
     status = build_any(loader, &p, out);
     loader->bsdf_depth--;
-    if (status == SATIN_OK) material_visit(out, find_filtered, &out->filtered);
+    if (status == SATIN_OK) scene_material_visit(out, find_filtered, &out->filtered);
     if (status == SATIN_OK &&
         !(out->name = load_keep_text(loader, node->id ? node->id : p.plugin->name)))
         return load_no_memory(loader);

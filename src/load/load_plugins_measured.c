@@ -35,19 +35,21 @@ static satin_status check_measured_albedo(struct load_state *loader, const struc
     return SATIN_OK;
 }
 
-satin_status bsdf_lafortune_build(struct load_state *loader, const struct params *p, void *object) {
+satin_status load_bsdf_lafortune_build(struct load_state *loader, const struct params *p,
+                                       void *object) {
     struct material_side *side = object;
-    const struct param_value *text = param(p, "lobes");
+    const struct param_value *text = load_param(p, "lobes");
     struct brdf_cosine_lobe lobe[BRDF_COSINE_LOBES_MAX];
     double number[7 * BRDF_COSINE_LOBES_MAX];
-    int count = param_words(text->s);
+    int count = load_param_words(text->s);
     if (count == 0 || count % 7 || count > 7 * BRDF_COSINE_LOBES_MAX) {
         log_error_at(loader->log, text->place,
                      "'lobes' has %d numbers, but needs seven for each of one to %d lobes", count,
                      BRDF_COSINE_LOBES_MAX);
         return SATIN_ERROR_INPUT;
     }
-    if (!param_numbers(loader->log, text->place, text->s, count, number)) return SATIN_ERROR_INPUT;
+    if (!load_param_numbers(loader->log, text->place, text->s, count, number))
+        return SATIN_ERROR_INPUT;
     for (int i = 0; i < count / 7; i++) {
         const double *n = number + 7 * i;
         for (int k = 0; k < 7; k++) {
@@ -60,7 +62,7 @@ satin_status bsdf_lafortune_build(struct load_state *loader, const struct params
         lobe[i] = (struct brdf_cosine_lobe){v3((float)n[0], (float)n[1], (float)n[2]), (float)n[3],
                                             rgb_make((float)n[4], (float)n[5], (float)n[6])};
     }
-    satin_status status = bsdf_set_reflectances(loader, p, side);
+    satin_status status = load_bsdf_set_reflectances(loader, p, side);
     if (status != SATIN_OK) return status;
     if (brdf_lafortune_set(&side->base, &loader->scene->arena, lobe, count / 7) != SATIN_OK)
         return load_no_memory(loader);
@@ -73,7 +75,7 @@ static satin_status build_measured(struct load_state *loader, const struct param
                                                         struct brdf_grid *out)) {
     struct load_source source;
     struct brdf_grid grid;
-    satin_status status = load_file_source(loader, param(p, "filename"), &source);
+    satin_status status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
     status = read(&source, &grid);
     free((char *)source.path);
@@ -82,10 +84,11 @@ static satin_status build_measured(struct load_state *loader, const struct param
     return status == SATIN_OK ? status : load_no_memory(loader);
 }
 
-satin_status bsdf_merl_build(struct load_state *loader, const struct params *p, void *object) {
+satin_status load_bsdf_merl_build(struct load_state *loader, const struct params *p, void *object) {
     return build_measured(loader, p, object, load_measured_merl);
 }
 
-satin_status bsdf_tabulated_build(struct load_state *loader, const struct params *p, void *object) {
+satin_status load_bsdf_tabulated_build(struct load_state *loader, const struct params *p,
+                                       void *object) {
     return build_measured(loader, p, object, load_measured_text);
 }

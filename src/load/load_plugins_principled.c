@@ -97,7 +97,7 @@ static satin_status set_numbers(struct load_state *loader, const struct params *
                                 struct material_side *side, const struct slot_name *list) {
     satin_status status = SATIN_OK;
     for (; list->name && status == SATIN_OK; list++)
-        status = bsdf_set_number(loader, param(p, list->name), side, list->slot);
+        status = load_bsdf_set_number(loader, load_param(p, list->name), side, list->slot);
     return status;
 }
 
@@ -109,18 +109,19 @@ static satin_status set_common(struct load_state *loader, const struct params *p
         {"sheen", BRDF_SLOT_SHEEN},           {"sheen_tint", BRDF_SLOT_SHEEN_TINT},
         {"flatness", BRDF_SLOT_FLATNESS},     {NULL, 0}};
     side->base.specular = side->base.transmittance = rgb_grey(1.0f);
-    satin_status status = bsdf_set_color(loader, param(p, "base_color"), side, BRDF_SLOT_DIFFUSE);
+    satin_status status =
+        load_bsdf_set_color(loader, load_param(p, "base_color"), side, BRDF_SLOT_DIFFUSE);
     return status == SATIN_OK ? set_numbers(loader, p, side, numbers) : status;
 }
 
-satin_status bsdf_principled_build(struct load_state *loader, const struct params *p,
-                                   void *object) {
+satin_status load_bsdf_principled_build(struct load_state *loader, const struct params *p,
+                                        void *object) {
     static const struct slot_name numbers[] = {{"metallic", BRDF_SLOT_METALLIC},
                                                {"clearcoat", BRDF_SLOT_CLEARCOAT},
                                                {"clearcoat_gloss", BRDF_SLOT_CLEARCOAT_GLOSS},
                                                {NULL, 0}};
     struct material_side *side = object;
-    const struct param_value *index = param(p, "eta"), *reflects = param(p, "specular");
+    const struct param_value *index = load_param(p, "eta"), *reflects = load_param(p, "specular");
     if (index->given && reflects->given) {
         log_error_at(loader->log, p->node->place, "the reflectance is either eta or specular");
         return SATIN_ERROR_INPUT;
@@ -130,7 +131,7 @@ satin_status bsdf_principled_build(struct load_state *loader, const struct param
                      (double)reflects->f, (double)PRINCIPLED_SPECULAR_MAX);
         return SATIN_ERROR_INPUT;
     }
-    if (index->given && !bsdf_ior_valid(loader, index->place, "eta", index->f))
+    if (index->given && !load_bsdf_ior_valid(loader, index->place, "eta", index->f))
         return SATIN_ERROR_INPUT;
     satin_status status = set_common(loader, p, side);
     if (status == SATIN_OK) status = set_numbers(loader, p, side, numbers);
@@ -142,18 +143,18 @@ satin_status bsdf_principled_build(struct load_state *loader, const struct param
     return status;
 }
 
-satin_status bsdf_principledthin_build(struct load_state *loader, const struct params *p,
-                                       void *object) {
+satin_status load_bsdf_principledthin_build(struct load_state *loader, const struct params *p,
+                                            void *object) {
     static const struct slot_name numbers[] = {
         {"diff_trans", BRDF_SLOT_DIFF_TRANS}, {"eta", BRDF_SLOT_IOR}, {NULL, 0}};
     struct material_side *side = object;
-    const struct param_value *index = param(p, "eta"), *passes = param(p, "diff_trans");
+    const struct param_value *index = load_param(p, "eta"), *passes = load_param(p, "diff_trans");
     satin_status status = set_common(loader, p, side);
     if (status == SATIN_OK) status = set_numbers(loader, p, side, numbers);
     if (status != SATIN_OK) return status;
     if (index->texture)
         side->base.ior = clampf(side->base.ior, BRDF_IOR_MIN, BRDF_IOR_MAX);
-    else if (!bsdf_ior_valid(loader, index->place, "eta", index->f))
+    else if (!load_bsdf_ior_valid(loader, index->place, "eta", index->f))
         return SATIN_ERROR_INPUT;
     if (side->base.diff_trans <= 2.0f) return SATIN_OK;
     log_error_at(loader->log, passes->place, "diff_trans is over 2");

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "load/load_state.h"
 
-enum fov_axis { AXIS_X = 0, AXIS_Y, AXIS_DIAGONAL, AXIS_SMALLER, AXIS_LARGER };
+enum sensor_axis { AXIS_X = 0, AXIS_Y, AXIS_DIAGONAL, AXIS_SMALLER, AXIS_LARGER };
 const char *const load_fov_axes[] = {"x", "y", "diagonal", "smaller", "larger", NULL};
 
 static const struct param_spec sensor_to_world = {
@@ -114,8 +114,8 @@ static param_list orthographic_params = {
 
 // The tangent of half the angle that fov or focal_length gives, and the axis to which it refers.
 static satin_status field_of_view(struct load_state *loader, const struct params *p,
-                                  double *tangent, enum fov_axis *axis) {
-    const struct param_value *angle = param(p, "fov"), *focal = param(p, "focal_length");
+                                  double *tangent, enum sensor_axis *axis) {
+    const struct param_value *angle = load_param(p, "fov"), *focal = load_param(p, "focal_length");
     if (angle->given && focal->given)
         return load_refuse(loader, p, "it has both fov and focal_length");
     if (angle->given) {
@@ -125,7 +125,7 @@ static satin_status field_of_view(struct load_state *loader, const struct params
             return SATIN_ERROR_INPUT;
         }
         *tangent = tan((double)angle->f * (3.14159265358979323846 / 360.0));
-        *axis = (enum fov_axis)param(p, "fov_axis")->i;
+        *axis = (enum sensor_axis)load_param(p, "fov_axis")->i;
         return SATIN_OK;
     }
     char text[32] = "";
@@ -147,7 +147,7 @@ static satin_status field_of_view(struct load_state *loader, const struct params
 satin_status load_view(struct load_state *loader, const struct params *p, double aspect,
                        float tan[2]) {
     double tangent = 0.0;
-    enum fov_axis axis = AXIS_X;
+    enum sensor_axis axis = AXIS_X;
     satin_status status = field_of_view(loader, p, &tangent, &axis);
     if (status != SATIN_OK) return status;
     if (axis == AXIS_SMALLER) axis = aspect > 1.0 ? AXIS_Y : AXIS_X;
@@ -162,7 +162,7 @@ satin_status load_view(struct load_state *loader, const struct params *p, double
 
 static satin_status set_view(struct load_state *loader, const struct params *p,
                              struct camera *camera) {
-    const struct film_spec *film = &loader->scene->film;
+    const struct scene_film *film = &loader->scene->film;
     float tan[2];
     satin_status status = load_view(loader, p, (double)film->width / (double)film->height, tan);
     if (status != SATIN_OK) return status;
@@ -174,7 +174,7 @@ static satin_status set_view(struct load_state *loader, const struct params *p,
 // The transform may rotate and mirror but not scale; the tolerance is Mitsuba's.
 static satin_status set_sensor_transform(struct load_state *loader, const struct params *p,
                                          struct camera *camera) {
-    const struct mat4 *m = &param(p, "to_world")->m;
+    const struct mat4 *m = &load_param(p, "to_world")->m;
     struct mat4 inverse;
     camera->to_world = *m;
     for (int j = 0; j < 3; j++) {
@@ -189,8 +189,8 @@ static satin_status set_sensor_transform(struct load_state *loader, const struct
 
 static satin_status set_clip(struct load_state *loader, const struct params *p,
                              struct camera *camera) {
-    camera->near_clip = param(p, "near_clip")->f;
-    camera->far_clip = param(p, "far_clip")->f;
+    camera->near_clip = load_param(p, "near_clip")->f;
+    camera->far_clip = load_param(p, "far_clip")->f;
     camera->focus_distance = camera->far_clip;
     if (camera->near_clip < camera->far_clip) return SATIN_OK;
     return load_refuse(loader, p, "near_clip must be smaller than far_clip");
@@ -207,10 +207,10 @@ static satin_status build_camera(struct load_state *loader, const struct params 
 static satin_status build_orthographic(struct load_state *loader, const struct params *p,
                                        void *object) {
     struct camera *camera = object;
-    const struct film_spec *film = &loader->scene->film;
+    const struct scene_film *film = &loader->scene->film;
     struct mat4 inverse;
     camera->orthographic = true;
-    camera->to_world = param(p, "to_world")->m;
+    camera->to_world = load_param(p, "to_world")->m;
     camera->tan_x = 1.0f;
     camera->tan_y = (float)((double)film->height / (double)film->width);
     if (!mat4_inverse(&camera->to_world, &inverse))
@@ -224,8 +224,8 @@ static satin_status build_orthographic(struct load_state *loader, const struct p
 static satin_status build_perspective(struct load_state *loader, const struct params *p,
                                       void *object) {
     struct camera *camera = object;
-    camera->shift.x = param(p, "principal_point_offset_x")->f;
-    camera->shift.y = param(p, "principal_point_offset_y")->f;
+    camera->shift.x = load_param(p, "principal_point_offset_x")->f;
+    camera->shift.y = load_param(p, "principal_point_offset_y")->f;
     if (fabsf(camera->shift.x) > 1e4f || fabsf(camera->shift.y) > 1e4f)
         return load_refuse(loader, p, "its principal point is too far off");
     return build_camera(loader, p, camera);
@@ -235,8 +235,9 @@ static satin_status build_thinlens(struct load_state *loader, const struct param
                                    void *object) {
     struct camera *camera = object;
     satin_status status = build_camera(loader, p, camera);
-    camera->aperture = param(p, "aperture_radius")->f;
-    if (param(p, "focus_distance")->given) camera->focus_distance = param(p, "focus_distance")->f;
+    camera->aperture = load_param(p, "aperture_radius")->f;
+    if (load_param(p, "focus_distance")->given)
+        camera->focus_distance = load_param(p, "focus_distance")->f;
     return status;
 }
 
@@ -254,10 +255,10 @@ const struct plugin_spec load_sensor_plugins[] = {
 // Reads the only child of a tag, if there is one, to `object`.
 static satin_status read_only_child(struct load_state *loader, const struct params *parent,
                                     enum xml_tag tag, void *object, struct params *out) {
-    struct xml_node *at = NULL, *node = params_child(&loader->xml, parent->node, tag, &at);
+    struct xml_node *at = NULL, *node = load_params_child(&loader->xml, parent->node, tag, &at);
     out->node = NULL;
     if (!node) return SATIN_OK;
-    if (params_child(&loader->xml, parent->node, tag, &at))
+    if (load_params_child(&loader->xml, parent->node, tag, &at))
         return load_refuse(loader, parent, "it has two parts of the same kind");
     satin_status status = load_params(loader, node, out);
     return status == SATIN_OK ? out->plugin->build(loader, out, object) : status;
@@ -266,13 +267,13 @@ static satin_status read_only_child(struct load_state *loader, const struct para
 satin_status load_sensor(struct load_state *loader, struct xml_node *node) {
     struct params sensor, child, filter;
     struct camera camera = {0};
-    struct film_spec film = {.width = 768,
-                             .height = 576,
-                             .crop_width = 768,
-                             .crop_height = 576,
-                             .filter = FILTER_GAUSSIAN,
-                             .radius = 2.0f,
-                             .stddev = 0.5f};
+    struct scene_film film = {.width = 768,
+                              .height = 576,
+                              .crop_width = 768,
+                              .crop_height = 576,
+                              .filter = FILTER_GAUSSIAN,
+                              .radius = 2.0f,
+                              .stddev = 0.5f};
     satin_status status = load_params(loader, node, &sensor);
     if (status == SATIN_OK) status = read_only_child(loader, &sensor, XML_SAMPLER, NULL, &child);
     if (status == SATIN_OK) status = read_only_child(loader, &sensor, XML_FILM, &film, &child);

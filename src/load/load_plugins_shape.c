@@ -114,24 +114,24 @@ typedef satin_status (*mesh_reader)(const struct load_source *, const struct mes
 typedef satin_status (*mesh_maker)(struct arena *, const struct mesh_request *, struct mesh *);
 
 static struct mesh_request request_of(const struct params *p) {
-    return (struct mesh_request){.to_world = param(p, "to_world")->m,
-                                 .flip_normals = param(p, "flip_normals")->b,
-                                 .face_normals = param(p, "face_normals")->b};
+    return (struct mesh_request){.to_world = load_param(p, "to_world")->m,
+                                 .flip_normals = load_param(p, "flip_normals")->b,
+                                 .face_normals = load_param(p, "face_normals")->b};
 }
 
 static satin_status read_shape_mesh(struct load_state *loader, const struct params *p,
                                     struct shape *shape, int index, mesh_reader read) {
     struct mesh_request request = request_of(p);
     request.attributes = loader->wanted;
-    request.flip_tex_coords = param(p, "flip_tex_coords")->b;
+    request.flip_tex_coords = load_param(p, "flip_tex_coords")->b;
     request.shape_index = index;
-    const struct param_value *angle = param(p, "max_smooth_angle");
+    const struct param_value *angle = load_param(p, "max_smooth_angle");
     if (angle->given && angle->f <= 180.0f) request.smooth_angle = angle->f;
     if (angle->given && (angle->f > 180.0f || request.face_normals))
         return load_refuse(loader, p,
                            "max_smooth_angle is at most 180 degrees, without face_normals");
     struct load_source source;
-    satin_status status = load_file_source(loader, param(p, "filename"), &source);
+    satin_status status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
     status = read(&source, &request, &shape->mesh);
     free((char *)source.path);
@@ -149,7 +149,8 @@ static satin_status build_ply(struct load_state *loader, const struct params *p,
 
 static satin_status build_serialized(struct load_state *loader, const struct params *p,
                                      void *object) {
-    return read_shape_mesh(loader, p, object, param(p, "shape_index")->i, load_mesh_serialized);
+    return read_shape_mesh(loader, p, object, load_param(p, "shape_index")->i,
+                           load_mesh_serialized);
 }
 
 static satin_status make_mesh(struct load_state *loader, const struct params *p,
@@ -189,11 +190,11 @@ static bool is_similarity(const struct mat4 *m) {
 
 static satin_status build_sphere(struct load_state *loader, const struct params *p, void *object) {
     struct shape *shape = object;
-    float r = param(p, "radius")->f;
+    float r = load_param(p, "radius")->f;
     struct mat4 scale = mat4_scale(v3(r, r, r));
-    struct mat4 translate = mat4_translate(param(p, "center")->v);
+    struct mat4 translate = mat4_translate(load_param(p, "center")->v);
     struct mat4 m = mat4_mul(&translate, &scale);
-    m = mat4_mul(&param(p, "to_world")->m, &m);
+    m = mat4_mul(&load_param(p, "to_world")->m, &m);
     shape->kind = SHAPE_SPHERE;
     if (!is_similarity(&m))
         return load_refuse(loader, p, "to_world stretches or shears it, but it must stay round");
@@ -207,14 +208,14 @@ static satin_status build_sphere(struct load_state *loader, const struct params 
 static satin_status build_disk(struct load_state *loader, const struct params *p, void *object) {
     struct shape *shape = object;
     shape->kind = SHAPE_DISK;
-    return transform_shape(loader, p, shape, &param(p, "to_world")->m);
+    return transform_shape(loader, p, shape, &load_param(p, "to_world")->m);
 }
 
 static satin_status build_cylinder(struct load_state *loader, const struct params *p,
                                    void *object) {
     struct shape *shape = object;
-    vec3 p0 = param(p, "p0")->v, axis = v3_sub(param(p, "p1")->v, p0);
-    float r = param(p, "radius")->f, length = v3_len(axis);
+    vec3 p0 = load_param(p, "p0")->v, axis = v3_sub(load_param(p, "p1")->v, p0);
+    float r = load_param(p, "radius")->f, length = v3_len(axis);
     shape->kind = SHAPE_CYLINDER;
     if (!(length > 0.0f) || !isfinite(length)) return load_refuse(loader, p, "p0 and p1 coincide");
     struct frame f = frame_from_normal(v3_mul(axis, 1.0f / length));
@@ -224,17 +225,17 @@ static satin_status build_cylinder(struct load_state *loader, const struct param
                          {0, 0, 0, 1}}};
     struct mat4 scale = mat4_scale(v3(r, r, length));
     struct mat4 m = mat4_mul(&axes, &scale);
-    m = mat4_mul(&param(p, "to_world")->m, &m);
+    m = mat4_mul(&load_param(p, "to_world")->m, &m);
     return transform_shape(loader, p, shape, &m);
 }
 
 static satin_status build_curves(struct load_state *loader, const struct params *p,
                                  struct shape *shape, bool linear) {
     struct load_source source;
-    satin_status status = load_file_source(loader, param(p, "filename"), &source);
+    satin_status status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
     shape->kind = SHAPE_CURVES;
-    status = load_curves(&source, &param(p, "to_world")->m, linear, &shape->curves);
+    status = load_curves(&source, &load_param(p, "to_world")->m, linear, &shape->curves);
     free((char *)source.path);
     if (status == SATIN_OK) scene_curves_bound(&shape->curves, &shape->lo, &shape->hi);
     return status;
@@ -274,10 +275,10 @@ const struct plugin_spec load_shape_plugins[] = {
 static satin_status only_child(struct load_state *loader, const struct params *p, enum xml_tag tag,
                                struct xml_node **out) {
     struct xml_node *at = NULL;
-    *out = params_child(&loader->xml, p->node, tag, &at);
-    if (!*out || !params_child(&loader->xml, p->node, tag, &at)) return SATIN_OK;
+    *out = load_params_child(&loader->xml, p->node, tag, &at);
+    if (!*out || !load_params_child(&loader->xml, p->node, tag, &at)) return SATIN_OK;
     log_error_at(loader->log, at->place, "shape '%s' has two <%s>s", p->plugin->name,
-                 xml_tag_name(tag));
+                 load_xml_tag_name(tag));
     return SATIN_ERROR_INPUT;
 }
 
@@ -297,8 +298,8 @@ static satin_status want_attributes(struct load_state *loader, const struct para
                                     const struct shape *shape) {
     const struct texture *radiance = shape->light >= 0 ? loader->light[shape->light].texture : NULL;
     loader->wanted.count = 0;
-    if (attribute_want_all(&loader->wanted, &loader->material[shape->material]) &&
-        attribute_want(&loader->wanted, radiance))
+    if (load_attribute_want_all(&loader->wanted, &loader->material[shape->material]) &&
+        load_attribute_want(&loader->wanted, radiance))
         return SATIN_OK;
     return load_refuse(loader, p, "its textures refer to more than 8 mesh attributes");
 }
@@ -308,7 +309,7 @@ static satin_status build_surface(struct load_state *loader, const struct params
                                   struct shape *shape) {
     satin_status status = want_attributes(loader, p, shape);
     if (status == SATIN_OK) status = p->plugin->build(loader, p, shape);
-    const char *missing = attribute_missing(&loader->wanted, &shape->mesh);
+    const char *missing = load_attribute_missing(&loader->wanted, &shape->mesh);
     if (status != SATIN_OK || !missing) return status;
     log_error_at(loader->log, p->node->place, "shape '%s' has no attribute '%s' for its texture",
                  p->plugin->name, missing);
@@ -330,7 +331,7 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);
     if (status != SATIN_OK) return status;
     struct shape shape = {.name = load_keep_text(loader, node->id ? node->id : p.plugin->name),
-                          .flip_normals = param(&p, "flip_normals")->b,
+                          .flip_normals = load_param(&p, "flip_normals")->b,
                           .group = loader->open_group,
                           .light = -1};
     if (!shape.name) return load_no_memory(loader);
@@ -343,7 +344,8 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     if (status != SATIN_OK) return status;
     shape.area = scene_shape_area(&shape);
     if (shape.kind == SHAPE_CURVES && emitter) return load_refuse(loader, &p, "curves cannot emit");
-    if (shape.kind == SHAPE_CURVES && material_transmits(&loader->material[shape.material], true))
+    if (shape.kind == SHAPE_CURVES &&
+        scene_material_transmits(&loader->material[shape.material], true))
         return load_refuse(loader, &p, "curves cannot transmit light");
     bool flat = shape.kind == SHAPE_DISK || strcmp(p.plugin->name, "rectangle") == 0;
     if (shape.light >= 0 && !flat && loader->light[shape.light].kind == LIGHT_BEAM)

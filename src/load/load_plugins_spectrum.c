@@ -106,22 +106,22 @@ bool load_spectrum_named(const char *type) {
 // distances between `ends`.
 static satin_status read_samples(struct log log, const struct params *p, const double ends[2],
                                  struct spectrum *spectrum) {
-    const struct param_value *value = param(p, "values");
-    const char *wavelength = ends ? NULL : param(p, "wavelengths")->s, *text = value->s;
-    int count = param_words(text);
-    if (count < 2 || (wavelength && param_words(wavelength) != count)) {
+    const struct param_value *value = load_param(p, "values");
+    const char *wavelength = ends ? NULL : load_param(p, "wavelengths")->s, *text = value->s;
+    int count = load_param_words(text);
+    if (count < 2 || (wavelength && load_param_words(wavelength) != count)) {
         log_error_at(log, value->place, "a spectrum needs two values or more, one per wavelength");
         return SATIN_ERROR_INPUT;
     }
     satin_status status = SATIN_OK;
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         double x, y;
-        if (!param_number(log, value->place, &text, &y)) return SATIN_ERROR_INPUT;
+        if (!load_param_number(log, value->place, &text, &y)) return SATIN_ERROR_INPUT;
         if (ends)
             x = ends[0] + (ends[1] - ends[0]) * i / (count - 1);
-        else if (!param_number(log, value->place, &wavelength, &x))
+        else if (!load_param_number(log, value->place, &wavelength, &x))
             return SATIN_ERROR_INPUT;
-        status = spectrum_add(log, value->place, spectrum, x, y);
+        status = load_spectrum_add(log, value->place, spectrum, x, y);
     }
     return status;
 }
@@ -131,12 +131,12 @@ static satin_status read_list(struct log log, const struct params *p, bool light
     bool regular = strcmp(p->plugin->name, "regular") == 0;
     double ends[2] = {0.0, 0.0};
     if (regular) {
-        ends[0] = param(p, "wavelength_min")->f;
-        ends[1] = param(p, "wavelength_max")->f;
+        ends[0] = load_param(p, "wavelength_min")->f;
+        ends[1] = load_param(p, "wavelength_max")->f;
     }
     satin_status status = read_samples(log, p, regular ? ends : NULL, &spectrum);
-    if (status == SATIN_OK) *out = spectrum_to_rgb(&spectrum, light);
-    spectrum_free(&spectrum);
+    if (status == SATIN_OK) *out = scene_spectrum_to_rgb(&spectrum, light);
+    scene_spectrum_free(&spectrum);
     return status;
 }
 
@@ -145,25 +145,25 @@ satin_status load_spectrum_of(struct param_source source, struct xml_node *node,
     const struct plugin_spec *plugin = load_plugin_find(source.log, node);
     if (!plugin) return SATIN_ERROR_INPUT;
     struct params p;
-    satin_status status = params_read(source, plugin, node, &p);
+    satin_status status = load_params_read(source, plugin, node, &p);
     if (status != SATIN_OK) return status;
     if (plugin->params == regular_params || plugin->params == irregular_params)
         return read_list(source.log, &p, light, out);
     if (plugin->params == uniform_params) {
-        *out = rgb_grey(param(&p, "value")->f);
+        *out = rgb_grey(load_param(&p, "value")->f);
     } else if (plugin->params == d65_params) {
-        *out = rgb_scale(param(&p, "color")->color, param(&p, "scale")->f);
+        *out = rgb_scale(load_param(&p, "color")->color, load_param(&p, "scale")->f);
     } else if (plugin->params == blackbody_params) {
         if (!light) {
             log_error_at(source.log, node->place, "a black body is light, not a reflectance");
             return SATIN_ERROR_INPUT;
         }
-        *out = rgb_scale(
-            spectrum_blackbody(param(&p, "temperature")->f, param(&p, "wavelength_min")->f,
-                               param(&p, "wavelength_max")->f),
-            param(&p, "scale")->f);
+        *out = rgb_scale(scene_spectrum_blackbody(load_param(&p, "temperature")->f,
+                                                  load_param(&p, "wavelength_min")->f,
+                                                  load_param(&p, "wavelength_max")->f),
+                         load_param(&p, "scale")->f);
     } else {
-        *out = param(&p, plugin->params == rgb_params ? "value" : "color")->color;
+        *out = load_param(&p, plugin->params == rgb_params ? "value" : "color")->color;
     }
     return SATIN_OK;
 }

@@ -175,13 +175,14 @@ static satin_status image_of(struct load_state *loader, const struct param_value
 static satin_status build_bitmap(struct load_state *loader, const struct params *p, void *object) {
     struct texture *texture = object;
     texture->kind = TEXTURE_BITMAP;
-    texture->nearest = param(p, "filter_type")->i == 1;
-    const struct param_value *u = param(p, "wrap_mode_u"), *v = param(p, "wrap_mode_v");
-    texture->wrap = (enum texture_wrap)(u->given ? u : param(p, "wrap_mode"))->i;
-    texture->wrap_v = (enum texture_wrap)(v->given ? v : param(p, "wrap_mode"))->i;
-    set_to_uv(texture, &param(p, "to_uv")->m);
+    texture->nearest = load_param(p, "filter_type")->i == 1;
+    const struct param_value *u = load_param(p, "wrap_mode_u"), *v = load_param(p, "wrap_mode_v");
+    texture->wrap = (enum texture_wrap)(u->given ? u : load_param(p, "wrap_mode"))->i;
+    texture->wrap_v = (enum texture_wrap)(v->given ? v : load_param(p, "wrap_mode"))->i;
+    set_to_uv(texture, &load_param(p, "to_uv")->m);
     const struct image_file *loaded;
-    satin_status status = image_of(loader, param(p, "filename"), param(p, "raw")->b, &loaded);
+    satin_status status =
+        image_of(loader, load_param(p, "filename"), load_param(p, "raw")->b, &loaded);
     if (status != SATIN_OK) return status;
     const struct image *image = texture->image = loaded->image;
     const float *m = texture->to_uv;
@@ -209,14 +210,14 @@ static satin_status make_checks(struct load_state *loader, const struct params *
                                 struct texture *texture) {
     for (int i = 0; i < 2; i++) {
         satin_status status =
-            make_check(loader, param(p, i ? "color1" : "color0"), &texture->check[i]);
+            make_check(loader, load_param(p, i ? "color1" : "color0"), &texture->check[i]);
         if (status != SATIN_OK) return status;
         const struct texture *check = texture->check[i];
         texture->mean = rgb_mad(texture->mean, check->mean, i ? second : 1.0f - second);
         texture->filtered = texture->filtered || check->filtered;
         if (check->nesting >= texture->nesting) texture->nesting = check->nesting + 1;
     }
-    set_to_uv(texture, &param(p, "to_uv")->m);
+    set_to_uv(texture, &load_param(p, "to_uv")->m);
     return SATIN_OK;
 }
 
@@ -229,8 +230,8 @@ static satin_status build_checkerboard(struct load_state *loader, const struct p
 static satin_status build_grid(struct load_state *loader, const struct params *p, void *object) {
     struct texture *texture = object;
     texture->kind = TEXTURE_GRID;
-    texture->scale = param(p, "line_width")->f;
-    return make_checks(loader, p, texture_lines(texture), texture);
+    texture->scale = load_param(p, "line_width")->f;
+    return make_checks(loader, p, scene_texture_lines(texture), texture);
 }
 
 void load_texture_scale(const struct texture *inner, rgb by, struct texture *out) {
@@ -243,14 +244,14 @@ void load_texture_scale(const struct texture *inner, rgb by, struct texture *out
 }
 
 static satin_status build_scale(struct load_state *loader, const struct params *p, void *object) {
-    struct xml_node *at = NULL, *node = params_child(&loader->xml, p->node, XML_TEXTURE, &at);
-    if (!node || params_child(&loader->xml, p->node, XML_TEXTURE, &at)) {
+    struct xml_node *at = NULL, *node = load_params_child(&loader->xml, p->node, XML_TEXTURE, &at);
+    if (!node || load_params_child(&loader->xml, p->node, XML_TEXTURE, &at)) {
         log_error_at(loader->log, p->node->place, "texture 'scale' takes one <texture>");
         return SATIN_ERROR_INPUT;
     }
     const struct texture *inner;
     satin_status status = load_texture_of(loader, node, &inner);
-    if (status == SATIN_OK) load_texture_scale(inner, param(p, "scale")->color, object);
+    if (status == SATIN_OK) load_texture_scale(inner, load_param(p, "scale")->color, object);
     return status;
 }
 
@@ -270,9 +271,9 @@ static const char *attribute_name(struct load_state *loader, const char *text) {
 static satin_status build_attribute(struct load_state *loader, const struct params *p,
                                     void *object) {
     struct texture *texture = object;
-    const struct param_value *name = param(p, "name");
+    const struct param_value *name = load_param(p, "name");
     texture->kind = TEXTURE_ATTRIBUTE;
-    texture->scale = param(p, "scale")->f;
+    texture->scale = load_param(p, "scale")->f;
     texture->mean = rgb_grey(texture->scale);
     if (strncmp(name->s, "vertex_", 7) != 0 && strncmp(name->s, "face_", 5) != 0) {
         log_error_at(loader->log, name->place,
@@ -296,7 +297,7 @@ static const struct param_spec *const rawconstant_params[] = {&raw_value, NULL};
 static satin_status build_constant_texture(struct load_state *loader, const struct params *p,
                                            void *object) {
     (void)loader;
-    const rgb value = param(p, "value")->color;
+    const rgb value = load_param(p, "value")->color;
     *(struct texture *)object = (struct texture){.value = value, .mean = value};
     return SATIN_OK;
 }

@@ -12,8 +12,8 @@
 
 enum { SAMPLES_MAX = 100000, FILE_MAX_BYTES = 1 << 24 };
 
-satin_status spectrum_add(struct log log, struct log_place place, struct spectrum *spectrum,
-                          double wavelength, double value) {
+satin_status load_spectrum_add(struct log log, struct log_place place, struct spectrum *spectrum,
+                               double wavelength, double value) {
     size_t n = spectrum->count, capacity[2] = {n, n};
     if (n == SAMPLES_MAX || (n && !(wavelength > spectrum->wavelength[n - 1]))) {
         log_error_at(log, place,
@@ -58,14 +58,14 @@ static satin_status add_spectrum_pair(struct log log, struct log_place place, co
     good = good && gap;
     if (good) *text += gap;
     if (good && next_number(text, ends, &value))
-        return spectrum_add(log, place, out, wavelength, value);
+        return load_spectrum_add(log, place, out, wavelength, value);
     log_error_at(log, place, "a spectrum is a list of pairs of wavelength and value, not '%.40s'",
                  *text);
     return SATIN_ERROR_INPUT;
 }
 
-satin_status spectrum_parse(struct log log, struct log_place place, const char *text,
-                            struct spectrum *out) {
+satin_status load_spectrum_parse(struct log log, struct log_place place, const char *text,
+                                 struct spectrum *out) {
     static const char blanks[] = " \t\r\n,";
     struct spectrum spectrum = {0};
     satin_status status = SATIN_OK;
@@ -74,12 +74,12 @@ satin_status spectrum_parse(struct log log, struct log_place place, const char *
     if (status == SATIN_OK)
         *out = spectrum;
     else
-        spectrum_free(&spectrum);
+        scene_spectrum_free(&spectrum);
     return status;
 }
 
-satin_status spectrum_read(struct log log, struct log_place place, const char *path, uint64_t *hash,
-                           struct spectrum *out) {
+satin_status load_spectrum_read(struct log log, struct log_place place, const char *path,
+                                uint64_t *hash, struct spectrum *out) {
     char *data;
     size_t size;
     satin_status status = fileio_read(log, place, path, FILE_MAX_BYTES, &data, &size);
@@ -105,6 +105,6 @@ satin_status spectrum_read(struct log log, struct log_place place, const char *p
     if (status == SATIN_OK)
         *out = spectrum;
     else
-        spectrum_free(&spectrum);
+        scene_spectrum_free(&spectrum);
     return status;
 }

@@ -43,7 +43,7 @@ satin_status load_no_memory(struct load_state *loader);
 satin_status load_refuse(struct load_state *loader, const struct params *p, const char *why);
 // Copies text into the scene's arena; NULL without memory.
 const char *load_keep_text(struct load_state *loader, const char *text);
-// Reads the parameters of the plugin that the element names (params_read).
+// Reads the parameters of the plugin that the element names (load_params_read).
 satin_status load_params(struct load_state *loader, struct xml_node *node, struct params *out);
 // The source of a file that a parameter names: relative to the file with the parameter, else to the
 // main file. The caller frees source->path.

@@ -47,9 +47,9 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
 // Elements that Mitsuba has and satin does not read.
 static const char *const unread_tags[] = {"medium", "phase", "volume", "field", NULL};
 
-const char *xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
+const char *load_xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 
-enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *name) {
+enum xml_tag load_xml_tag_find(struct log log, struct log_place place, const char *name) {
     for (int i = 0; i < XML_TAG_COUNT; i++)
         if (strcmp(tags[i].name, name) == 0) return (enum xml_tag)i;
     for (int i = 0; unread_tags[i]; i++)
@@ -66,12 +66,12 @@ enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *na
     return XML_TAG_COUNT;
 }
 
-bool xml_may_contain(enum xml_tag parent, enum xml_tag child) {
+bool load_xml_may_contain(enum xml_tag parent, enum xml_tag child) {
     bool step = child >= XML_TRANSLATE && child <= XML_MATRIX;
     if (parent == XML_TRANSFORM) return step;
     if (child == XML_PATH) return parent == XML_SCENE;
     if (parent == XML_SPECTRUM) return child >= XML_BOOLEAN && child <= XML_SPECTRUM;
-    return xml_is_object(parent) && !step && child != XML_SCENE;
+    return load_xml_is_object(parent) && !step && child != XML_SCENE;
 }
 
 static bool is_listed(const char *const *list, int count, const char *name) {
@@ -80,7 +80,7 @@ static bool is_listed(const char *const *list, int count, const char *name) {
     return false;
 }
 
-bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root) {
+bool load_xml_attributes_valid(struct log log, const struct xml_node *node, bool root) {
     const struct tag_info *info = &tags[node->tag];
     for (const char *const *a = node->attribute; *a; a += 2) {
         if (is_listed(info->required, 3, *a) || is_listed(info->optional, 5, *a)) continue;
@@ -90,27 +90,27 @@ bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root
         return false;
     }
     for (int i = 0; i < 3 && info->required[i]; i++) {
-        if (xml_get(node, info->required[i])) continue;
+        if (load_xml_get(node, info->required[i])) continue;
         log_error_at(log, node->place, "<%s> needs the attribute '%s'", info->name,
                      info->required[i]);
         return false;
     }
     if (!root) return true;
-    const char *version = xml_get(node, "version");
+    const char *version = load_xml_get(node, "version");
     if (!version) {
         log_error_at(log, node->place, "<%s> needs the attribute 'version'", info->name);
         return false;
     }
     if (strncmp(version, "3.", 2) == 0 || strncmp(version, "2.", 2) == 0 ||
-        xml_version_mitsuba06(version))
+        load_xml_version_mitsuba06(version))
         return true;
     log_error_at(log, node->place, "version '%s' is not supported: 0.x, 2.x and 3.x are", version);
     return false;
 }
 
-bool xml_version_mitsuba06(const char *version) { return strncmp(version, "0.", 2) == 0; }
+bool load_xml_version_mitsuba06(const char *version) { return strncmp(version, "0.", 2) == 0; }
 
-const char *xml_get(const struct xml_node *node, const char *attribute) {
+const char *load_xml_get(const struct xml_node *node, const char *attribute) {
     for (const char *const *a = node->attribute; *a; a += 2)
         if (strcmp(a[0], attribute) == 0) return a[1];
     return NULL;

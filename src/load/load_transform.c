@@ -23,14 +23,14 @@ static struct matrix matrix_product(const struct matrix *a, const struct matrix 
 }
 
 static satin_status transform_error(struct log log, const struct xml_node *step, const char *why) {
-    log_error_at(log, step->place, "<%s>: %s", xml_tag_name(step->tag), why);
+    log_error_at(log, step->place, "<%s>: %s", load_xml_tag_name(step->tag), why);
     return SATIN_ERROR_INPUT;
 }
 
 static satin_status read_translate(struct log log, const struct xml_node *step,
                                    struct matrix *out) {
     vec3 t;
-    if (!param_xyz(log, step, 0.0f, &t)) return SATIN_ERROR_INPUT;
+    if (!load_param_xyz(log, step, 0.0f, &t)) return SATIN_ERROR_INPUT;
     struct mat4 m = mat4_translate(t);
     *out = matrix_of(&m);
     return SATIN_OK;
@@ -38,7 +38,7 @@ static satin_status read_translate(struct log log, const struct xml_node *step,
 
 static satin_status read_scale(struct log log, const struct xml_node *step, struct matrix *out) {
     vec3 s;
-    if (!param_xyz(log, step, 1.0f, &s)) return SATIN_ERROR_INPUT;
+    if (!load_param_xyz(log, step, 1.0f, &s)) return SATIN_ERROR_INPUT;
     struct mat4 m = mat4_scale(s);
     *out = matrix_of(&m);
     return SATIN_OK;
@@ -47,8 +47,8 @@ static satin_status read_scale(struct log log, const struct xml_node *step, stru
 static satin_status read_rotate(struct log log, const struct xml_node *step, struct matrix *out) {
     vec3 axis;
     double angle;
-    if (!param_xyz(log, step, 0.0f, &axis)) return SATIN_ERROR_INPUT;
-    if (!param_numbers(log, step->place, xml_get(step, "angle"), 1, &angle))
+    if (!load_param_xyz(log, step, 0.0f, &axis)) return SATIN_ERROR_INPUT;
+    if (!load_param_numbers(log, step->place, load_xml_get(step, "angle"), 1, &angle))
         return SATIN_ERROR_INPUT;
     if (v3_max_abs(axis) == 0.0f) return transform_error(log, step, "the axis is zero");
     struct mat4 m = mat4_rotate(axis, (float)angle);
@@ -58,9 +58,9 @@ static satin_status read_rotate(struct log log, const struct xml_node *step, str
 
 static bool read_triple(struct log log, const struct xml_node *step, const char *attribute,
                         vec3 *out) {
-    const char *text = xml_get(step, attribute);
+    const char *text = load_xml_get(step, attribute);
     double d[3] = {0.0, 0.0, 0.0};
-    if (text && !param_numbers(log, step->place, text, 3, d)) return false;
+    if (text && !load_param_numbers(log, step->place, text, 3, d)) return false;
     *out = v3((float)d[0], (float)d[1], (float)d[2]);
     return true;
 }
@@ -77,7 +77,7 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
     if (v3_max_abs(up) == 0.0f || !mat4_look_at(origin, target, up, &m)) {
         if (!mat4_look_at(origin, target, frame_from_normal(d).u, &m))
             return transform_error(log, step, "origin and target coincide");
-        if (xml_get(step, "up"))
+        if (load_xml_get(step, "up"))
             log_warning_at(log, step->place,
                            "<lookat>: up is %s; one at right angles to the view is taken",
                            v3_max_abs(up) == 0.0f ? "zero" : "along the view");
@@ -88,16 +88,16 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
 
 // Reads 16 numbers by rows, or 9 for the upper left 3x3 block.
 static satin_status read_matrix(struct log log, const struct xml_node *step, struct matrix *out) {
-    const char *text = xml_get(step, "value");
+    const char *text = load_xml_get(step, "value");
     double d[16];
-    const int words = param_words(text), size = words == 9 ? 3 : 4;
+    const int words = load_param_words(text), size = words == 9 ? 3 : 4;
     if (words != 9 && words != 16) {
         log_error_at(log, step->place,
                      "<matrix>: expected 16 numbers by rows, or 9 of the upper 3 x 3, found %d",
                      words);
         return SATIN_ERROR_INPUT;
     }
-    if (!param_numbers(log, step->place, text, size * size, d)) return SATIN_ERROR_INPUT;
+    if (!load_param_numbers(log, step->place, text, size * size, d)) return SATIN_ERROR_INPUT;
     struct mat4 identity = mat4_identity();
     *out = matrix_of(&identity);
     if (size == 4 && (d[12] != 0.0 || d[13] != 0.0 || d[14] != 0.0 || !(d[15] != 0.0)))

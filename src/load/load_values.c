@@ -7,7 +7,7 @@
 
 static const char blanks[] = " \t\r\n,";
 
-int param_words(const char *text) {
+int load_param_words(const char *text) {
     int count = 0;
     for (text += strspn(text, blanks); *text; text += strspn(text, blanks)) {
         text += strcspn(text, blanks);
@@ -16,7 +16,7 @@ int param_words(const char *text) {
     return count;
 }
 
-bool param_number(struct log log, struct log_place place, const char **text, double *out) {
+bool load_param_number(struct log log, struct log_place place, const char **text, double *out) {
     char word[64];
     *text += strspn(*text, blanks);
     size_t n = strcspn(*text, blanks);
@@ -33,38 +33,40 @@ bool param_number(struct log log, struct log_place place, const char **text, dou
     return true;
 }
 
-bool param_numbers(struct log log, struct log_place place, const char *text, int count,
-                   double *out) {
-    int words = param_words(text);
+bool load_param_numbers(struct log log, struct log_place place, const char *text, int count,
+                        double *out) {
+    int words = load_param_words(text);
     if (words != count) {
         log_error_at(log, place, "expected %d number%s, found '%.60s'", count,
                      count == 1 ? "" : "s", text);
         return false;
     }
     for (int i = 0; i < count; i++)
-        if (!param_number(log, place, &text, &out[i])) return false;
+        if (!load_param_number(log, place, &text, &out[i])) return false;
     return true;
 }
 
-bool param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out) {
-    const char *value = xml_get(node, "value");
-    const char *component[3] = {xml_get(node, "x"), xml_get(node, "y"), xml_get(node, "z")};
+bool load_param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out) {
+    const char *value = load_xml_get(node, "value");
+    const char *component[3] = {load_xml_get(node, "x"), load_xml_get(node, "y"),
+                                load_xml_get(node, "z")};
     double d[3] = {missing, missing, missing};
     if (value) {
         if (component[0] || component[1] || component[2]) {
             log_error_at(log, node->place, "<%s> has both a value and x, y or z",
-                         xml_tag_name(node->tag));
+                         load_xml_tag_name(node->tag));
             return false;
         }
-        int count = param_words(value) == 1 ? 1 : 3;
-        if (!param_numbers(log, node->place, value, count, d)) return false;
+        int count = load_param_words(value) == 1 ? 1 : 3;
+        if (!load_param_numbers(log, node->place, value, count, d)) return false;
         if (count == 1) d[1] = d[2] = d[0];
     }
     for (int i = 0; i < 3 && !value; i++) {
-        if (component[i] && !param_numbers(log, node->place, component[i], 1, &d[i])) return false;
+        if (component[i] && !load_param_numbers(log, node->place, component[i], 1, &d[i]))
+            return false;
         if (!isnan(d[i])) continue;
-        log_error_at(log, node->place, "<%s> needs the attribute '%c'", xml_tag_name(node->tag),
-                     "xyz"[i]);
+        log_error_at(log, node->place, "<%s> needs the attribute '%c'",
+                     load_xml_tag_name(node->tag), "xyz"[i]);
         return false;
     }
     *out = v3((float)d[0], (float)d[1], (float)d[2]);
@@ -133,7 +135,7 @@ static satin_status read_ior(struct log log, const struct param_spec *spec, cons
 static satin_status read_param_number(struct log log, const struct param_spec *spec,
                                       const char *text, struct param_value *value) {
     double d;
-    if (!param_numbers(log, value->place, text, 1, &d)) return SATIN_ERROR_INPUT;
+    if (!load_param_numbers(log, value->place, text, 1, &d)) return SATIN_ERROR_INPUT;
     value->f = (float)d;
     value->i = fabs(d) <= 2147483647.0 ? (int)d : 0;
     if (spec->kind != PARAM_INTEGER) return check_range(log, spec, value->place, value->f);
@@ -186,7 +188,7 @@ static satin_status read_text(struct log log, const struct param_spec *spec, enu
 static bool is_sampled(const struct xml_node *node) {
     if (node->tag != XML_SPECTRUM) return false;
     if (node->type) return strcmp(node->type, "uniform") != 0 && !strstr(node->type, "rgb");
-    const char *value = xml_get(node, "value");
+    const char *value = load_xml_get(node, "value");
     return !value || strchr(value, ':');
 }
 
@@ -213,41 +215,41 @@ static satin_status read_color(struct param_source source, const struct param_sp
     return status;
 }
 
-satin_status param_read(struct param_source source, const struct param_spec *spec,
-                        struct xml_node *node, struct param_value *value) {
+satin_status load_param_read(struct param_source source, const struct param_spec *spec,
+                             struct xml_node *node, struct param_value *value) {
     struct log log = source.log;
     switch (spec->kind) {
         case PARAM_TRANSFORM:
             return load_transform(log, node, &value->m);
         case PARAM_POINT:
-            return param_xyz(log, node, NAN, &value->v) ? SATIN_OK : SATIN_ERROR_INPUT;
+            return load_param_xyz(log, node, NAN, &value->v) ? SATIN_OK : SATIN_ERROR_INPUT;
         case PARAM_COLOR:
         case PARAM_LIGHT:
             return read_color(source, spec, node, value);
         case PARAM_FLOAT:
             if (node->tag == XML_RGB || node->tag == XML_SPECTRUM)
                 return read_mean(source, spec, node, value);
-            return read_text(log, spec, node->tag, xml_get(node, "value"), value);
+            return read_text(log, spec, node->tag, load_xml_get(node, "value"), value);
         default:
-            return read_text(log, spec, node->tag, xml_get(node, "value"), value);
+            return read_text(log, spec, node->tag, load_xml_get(node, "value"), value);
     }
 }
 
-satin_status param_read_default(struct log log, const struct param_spec *spec,
-                                struct param_value *value) {
+satin_status load_param_read_default(struct log log, const struct param_spec *spec,
+                                     struct param_value *value) {
     double d[3];
     switch (spec->kind) {
         case PARAM_TRANSFORM:
             value->m = mat4_identity();
             return SATIN_OK;
         case PARAM_POINT:
-            if (!param_numbers(log, value->place, spec->default_text, 3, d))
+            if (!load_param_numbers(log, value->place, spec->default_text, 3, d))
                 return SATIN_ERROR_INTERNAL;
             value->v = v3((float)d[0], (float)d[1], (float)d[2]);
             return SATIN_OK;
         case PARAM_COLOR:
         case PARAM_LIGHT:
-            if (!param_numbers(log, value->place, spec->default_text, 1, d))
+            if (!load_param_numbers(log, value->place, spec->default_text, 1, d))
                 return SATIN_ERROR_INTERNAL;
             value->color = rgb_grey((float)d[0]);
             return SATIN_OK;

@@ -96,9 +96,9 @@ static satin_status copy_attributes(struct file *file, const char **from, struct
         satin_status status = copy_text(file, from[i], &copy[i]);
         if (status != SATIN_OK) return status;
     }
-    node->type = xml_get(node, "type");
-    node->id = xml_get(node, "id");
-    node->name = xml_get(node, "name");
+    node->type = load_xml_get(node, "type");
+    node->id = load_xml_get(node, "id");
+    node->name = load_xml_get(node, "name");
     // Mitsuba's own writer uses <texture> for spectra too.
     if (node->tag == XML_TEXTURE && node->type && load_spectrum_named(node->type))
         node->tag = XML_SPECTRUM;
@@ -109,28 +109,28 @@ static satin_status copy_attributes(struct file *file, const char **from, struct
 static bool check_parent_element(const struct file *file, const struct xml_node *node) {
     const struct xml_reader *reader = file->reader;
     bool root = reader->depth == file->base_depth;
-    if (!xml_attributes_valid(reader->log, node, root)) return false;
-    const char *name = xml_tag_name(node->tag);
+    if (!load_xml_attributes_valid(reader->log, node, root)) return false;
+    const char *name = load_xml_tag_name(node->tag);
     if (reader->depth == 0) {
         if (node->tag == XML_SCENE) return true;
         log_error_at(reader->log, node->place, "the root element is <%s>, not <scene>", name);
         return false;
     }
     if (root) {
-        if (xml_is_object(node->tag)) return true;
+        if (load_xml_is_object(node->tag)) return true;
         log_error_at(reader->log, node->place, "<%s> cannot be the root element", name);
         return false;
     }
     enum xml_tag parent = reader->open[reader->depth - 1]->tag;
-    if (xml_may_contain(parent, node->tag)) return true;
+    if (load_xml_may_contain(parent, node->tag)) return true;
     log_error_at(reader->log, node->place, "<%s> cannot stand inside <%s>", name,
-                 xml_tag_name(parent));
+                 load_xml_tag_name(parent));
     return false;
 }
 
 static satin_status take_include(struct file *file, const struct xml_node *node) {
     struct xml_reader *reader = file->reader;
-    char *path = load_xml_resolve(reader->xml, node->place, xml_get(node, "filename"));
+    char *path = load_xml_resolve(reader->xml, node->place, load_xml_get(node, "filename"));
     const char *copy = path ? arena_text(&reader->xml->arena, path, strlen(path)) : NULL;
     free(path);
     if (!copy) return SATIN_ERROR_MEMORY;
@@ -143,7 +143,7 @@ static satin_status take_default(struct file *file, const struct xml_node *node)
         log_error_at(reader->log, node->place, "<default> with an empty name");
         return SATIN_ERROR_INPUT;
     }
-    if (load_define_add(&reader->defines, node->name, xml_get(node, "value"), false))
+    if (load_define_add(&reader->defines, node->name, load_xml_get(node, "value"), false))
         return SATIN_OK;
     log_error_at(reader->log, node->place, "more than %d parameters", LOAD_DEFINE_MAX);
     return SATIN_ERROR_INPUT;
@@ -161,7 +161,8 @@ static satin_status take_element(struct file *file, struct xml_node *node) {
         case XML_PATH:
             return load_path_add(reader->xml, reader->log, node);
         case XML_ALIAS:
-            id = (struct xml_id){xml_get(node, "as"), NULL, node->id, node->place, node->number};
+            id = (struct xml_id){load_xml_get(node, "as"), NULL, node->id, node->place,
+                                 node->number};
             return load_ids_add(reader->xml, id);
         default:
             break;
@@ -169,14 +170,15 @@ static satin_status take_element(struct file *file, struct xml_node *node) {
     if (reader->depth == 0)
         reader->xml->root = node;
     else
-        xml_append(reader->open[reader->depth - 1], node);
-    if (xml_is_shared(node->tag) && node->id && node->id[0]) return load_ids_add(reader->xml, id);
+        load_xml_append(reader->open[reader->depth - 1], node);
+    if (load_xml_is_shared(node->tag) && node->id && node->id[0])
+        return load_ids_add(reader->xml, id);
     return SATIN_OK;
 }
 
 static bool is_mitsuba06(const char **attributes) {
     for (; *attributes; attributes += 2)
-        if (strcmp(attributes[0], "version") == 0) return xml_version_mitsuba06(attributes[1]);
+        if (strcmp(attributes[0], "version") == 0) return load_xml_version_mitsuba06(attributes[1]);
     return false;
 }
 
@@ -202,7 +204,8 @@ static satin_status open_element(struct file *file, const char *name, const char
     if (root) file->mitsuba06 = is_mitsuba06(attributes);
     node->mitsuba06 = file->mitsuba06;
     node->encoded = file->mitsuba06 && strcmp(name, "srgb") == 0;
-    node->tag = xml_tag_find(reader->log, place, file->mitsuba06 ? load_mitsuba06_tag(name) : name);
+    node->tag =
+        load_xml_tag_find(reader->log, place, file->mitsuba06 ? load_mitsuba06_tag(name) : name);
     if (node->tag == XML_TAG_COUNT) return SATIN_ERROR_INPUT;
     satin_status status = copy_attributes(file, attributes, node);
     if (status != SATIN_OK) return status;

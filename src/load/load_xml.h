@@ -127,7 +127,7 @@ struct xml_node *load_xml_find(const struct load_xml *xml, const char *id);
 struct xml_node *load_xml_target(const struct load_xml *xml, struct log log, struct xml_node *node);
 
 // Makes `child` the last child of `parent`.
-static inline void xml_append(struct xml_node *parent, struct xml_node *child) {
+static inline void load_xml_append(struct xml_node *parent, struct xml_node *child) {
     if (parent->last)
         parent->last->next = child;
     else
@@ -136,22 +136,22 @@ static inline void xml_append(struct xml_node *parent, struct xml_node *child) {
 }
 
 // ---- load_tags.c
-const char *xml_tag_name(enum xml_tag tag);
+const char *load_xml_tag_name(enum xml_tag tag);
 // The value of an attribute, or NULL.
-const char *xml_get(const struct xml_node *node, const char *attribute);
-static inline bool xml_is_object(enum xml_tag tag) { return tag <= XML_INTEGRATOR; }
+const char *load_xml_get(const struct xml_node *node, const char *attribute);
+static inline bool load_xml_is_object(enum xml_tag tag) { return tag <= XML_INTEGRATOR; }
 // Whether elements can be referred to by their id: objects and colours.
-static inline bool xml_is_shared(enum xml_tag tag) {
-    return xml_is_object(tag) || tag == XML_RGB || tag == XML_SPECTRUM;
+static inline bool load_xml_is_shared(enum xml_tag tag) {
+    return load_xml_is_object(tag) || tag == XML_RGB || tag == XML_SPECTRUM;
 }
 
 // Whether `child` may stand inside `parent`.
-bool xml_may_contain(enum xml_tag parent, enum xml_tag child);
+bool load_xml_may_contain(enum xml_tag parent, enum xml_tag child);
 // The tag of an element name. If satin does not read it, logs the reason and returns XML_TAG_COUNT.
-enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *name);
+enum xml_tag load_xml_tag_find(struct log log, struct log_place place, const char *name);
 // Checks the attributes of an element; the root of a file needs a version. Logs errors.
-bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root);
+bool load_xml_attributes_valid(struct log log, const struct xml_node *node, bool root);
 // Whether a version, an attribute of the root element, has the names of version 0.6.
-bool xml_version_mitsuba06(const char *version);
+bool load_xml_version_mitsuba06(const char *version);
 
 #endif

@@ -63,13 +63,13 @@ double photon_memory_bytes(const struct photon_memory *memory, const struct phot
 // decisions by it cause no bias. E includes direct light unless options->gather_direct was set when
 // the maps were built. E is black and the radius INFINITY if no entry is near that has the
 // orientation of n and is not behind a wall.
-rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                      vec3 n, float *radius, int *entry);
-// Looks up photon_irradiance for many points; arrays of `count`. *entry is the entry of the point's
-// surroundings, or -1 if none is as near as the spacing of the photons; `entry` may be NULL. The
-// points are those of paths from the eye with `segments` more than to the hit of a gather ray:
-// photons that have bounced so often that the whole path would be longer than max_depth are left
-// out. For `segments` over 1, their fraction of the light is assumed to be the same for each
+rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                         vec3 n, float *radius, int *entry);
+// Looks up photon_irradiance_at for many points; arrays of `count`. *entry is the entry of the
+// point's surroundings, or -1 if none is as near as the spacing of the photons; `entry` may be
+// NULL. The points are those of paths from the eye with `segments` more than to the hit of a gather
+// ray: photons that have bounced so often that the whole path would be longer than max_depth are
+// left out. For `segments` over 1, their fraction of the light is assumed to be the same for each
 // bounce.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, int segments, rgb *E,
@@ -77,7 +77,7 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
 // The precomputed entries of irradiance: their number, and the position and unit normal of one.
 size_t photon_irradiance_count(const struct photon_maps *maps);
 void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n);
-rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry);
+rgb photon_irradiance_of_entry(const struct photon_maps *maps, size_t entry);
 // The mean area in which an entry is the nearest one, from the distances of the entries around it
 // [square of the unit of length].
 float photon_irradiance_area(const struct photon_maps *maps, size_t entry);

@@ -102,9 +102,9 @@ static void estimate_site(const struct estimating *job, size_t site, int *row, f
                          distance2);
     photon_disc_make(&query, row, distance2, &disc);
     const rgb E = photon_disc_irradiance(&disc);
-    if (!(rgb_square(E) > 0.0f)) return;
+    if (!(photon_rgb_square(E) > 0.0f)) return;
     sites->value[site] = E;
-    sites->noise[site] = photon_disc_variance(&disc) / rgb_square(E);
+    sites->noise[site] = photon_disc_variance(&disc) / photon_rgb_square(E);
     sites->position.clear[site] = photon_disc_clear(&disc);
     photon_entry_position_set(&sites->position, site, p, n);
 }

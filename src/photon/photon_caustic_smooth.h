@@ -19,7 +19,7 @@ struct photon_sites {
     struct photon_index *index;
 };
 
-static inline float rgb_square(rgb c) { return c.r * c.r + c.g * c.g + c.b * c.b; }
+static inline float photon_rgb_square(rgb c) { return c.r * c.r + c.g * c.g + c.b * c.b; }
 
 // ---- photon_plane.c
 // The next three are chunk functions for parallel_for, to be run one after another. The sites must

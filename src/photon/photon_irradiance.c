@@ -170,7 +170,7 @@ static float far_of(const struct photon_precompute *what, const struct photon_ir
 }
 
 // Computes the rows of the index, once their scale is known.
-static void fill_rows(void *ctx, size_t begin, size_t end, int worker) {
+static void set_rows(void *ctx, size_t begin, size_t end, int worker) {
     struct precompute_job *job = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
@@ -186,7 +186,7 @@ static bool index_rows(const struct photon_precompute *what, struct parallel *po
     parallel_begin_part(pool, "index");
     r->position.scale = normal_scale(r, what->scene);
     r->far2 = far_of(what, r);
-    if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, fill_rows, &job)) return false;
+    if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, set_rows, &job)) return false;
     r->index = photon_index_new(r->position.row, r->count, 6, &what->map->curve, pool);
     return r->index != NULL;
 }
@@ -441,7 +441,7 @@ void photon_irradiance_position(const struct photon_maps *maps, size_t entry, ve
     *n = v3_unit(v3(s * row[3], s * row[4], s * row[5]));
 }
 
-rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry) {
+rgb photon_irradiance_of_entry(const struct photon_maps *maps, size_t entry) {
     return maps->irradiance.E[entry];
 }
 
@@ -458,8 +458,8 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
                          distance2);
 }
 
-rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                      vec3 n, float *radius, int *entry) {
+rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                         vec3 n, float *radius, int *entry) {
     rgb E;
     photon_irradiance_many(maps, scene, 1, &p, &n, 0, &E, radius, entry);
     return E;

@@ -23,7 +23,7 @@ static void find_keys(void *ctx, size_t begin, size_t end, int worker) {
         b->key[i] = (struct photon_keyed){photon_curve_key(&b->curve, b->hit[i].p), (uint32_t)i};
 }
 
-static void fill_photons(void *ctx, size_t begin, size_t end, int worker) {
+static void copy_photons(void *ctx, size_t begin, size_t end, int worker) {
     const struct map_building *b = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
@@ -44,7 +44,7 @@ static bool sort_photons(struct map_building *b, struct parallel *pool) {
     b->key = key;
     bool sorted = key && parallel_for(pool, count, MAP_CHUNK, find_keys, b);
     if (sorted) b->key = photon_curve_sort(key, key + count, count, pool);
-    sorted = sorted && b->key && parallel_for(pool, count, MAP_CHUNK, fill_photons, b);
+    sorted = sorted && b->key && parallel_for(pool, count, MAP_CHUNK, copy_photons, b);
     free(key);
     return sorted;
 }

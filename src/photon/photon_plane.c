@@ -24,7 +24,8 @@ enum {
 // The squared difference in units of the squared values to which noise is relative. A factor too
 // high counts like the same factor too low.
 static float difference(rgb a, rgb b) {
-    return rgb_square(rgb_sub(a, b)) / fmaxf(sqrtf(rgb_square(a) * rgb_square(b)), FLT_MIN);
+    return photon_rgb_square(rgb_sub(a, b)) /
+           fmaxf(sqrtf(photon_rgb_square(a) * photon_rgb_square(b)), FLT_MIN);
 }
 
 static vec3 normal_at(const struct photon_sites *sites, size_t i) {

@@ -91,9 +91,9 @@ static enum photon_class class_of(const struct photon_path *photon) {
 static bool store_photon(const struct satin_scene *scene, struct chunk *chunk,
                          const struct interaction *s, const struct photon_path *photon) {
     const vec3 wi = v3_neg(photon->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
-    const struct texture_lookup at = interaction_texture_lookup(scene, s);
+    const struct texture_lookup at = scene_interaction_texture_lookup(scene, s);
     const struct material *material = &scene->material[s->material];
-    const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
+    const float opacity = s->light < 0 ? scene_opacity_material(material, &at) : 1.0f;
     const enum photon_class class = class_of(photon);
     struct photon_hit hit = {.p = s->p,
                              .wi = photon_pack(wi),
@@ -138,7 +138,7 @@ static bool scatter(const struct satin_scene *scene, const struct interaction *s
     if (!scene_brdf(scene, s, wi, &b, &frame)) return false;
     float u_lobe = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
     struct brdf_sample sample;
-    if (!brdf_sample(&b, frame_to_local(&frame, wi), u_lobe, u, v, lobes, BRDF_POWER, &sample))
+    if (!brdf_sample_wi(&b, frame_to_local(&frame, wi), u_lobe, u, v, lobes, BRDF_POWER, &sample))
         return false;
     vec3 wo = frame_to_world(&frame, sample.wi);
     float in_s = fabsf(v3_dot(wi, frame.n)), in_g = fabsf(v3_dot(wi, s->ng)),
@@ -213,7 +213,7 @@ static bool allocate_photon_paths(struct run *run) {
     return true;
 }
 
-static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) {
+static uint32_t path_light(const uint64_t *first, uint32_t lights, uint64_t path) {
     uint32_t lo = 0, hi = lights;
     while (hi - lo > 1) {
         uint32_t mid = lo + (hi - lo) / 2;
@@ -261,7 +261,7 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
     const struct photon_tracing *tracing = run->tracing;
     struct chunk *chunk = &run->chunk[begin / run->chunk_paths];
     if (atomic_load(&run->failed)) return;
-    uint32_t light = light_of(run->first, tracing->scene->light_count, begin);
+    uint32_t light = path_light(run->first, tracing->scene->light_count, begin);
     for (uint64_t path = begin; path < end && !chunk->failed; path++) {
         if ((path - begin) % ASK_PATHS == ASK_PATHS - 1 && parallel_cancelled(run->pool, worker))
             break;

@@ -47,7 +47,7 @@ const satin_options satin_options_default = {
 };
 
 // Sets the fields that are 0 to their defaults.
-static void fill_zeroed(satin_options *options) {
+static void set_zeroed(satin_options *options) {
     static const satin_options zero;
     char of_zero[OPTION_TEXT_SIZE], value[OPTION_TEXT_SIZE];
     for (int i = 0; i < options_table_count; i++) {
@@ -61,7 +61,7 @@ static void fill_zeroed(satin_options *options) {
 }
 
 void satin_options_preset(satin_options *options, satin_quality quality) {
-    if (options->photon_k == 0) fill_zeroed(options);
+    if (options->photon_k == 0) set_zeroed(options);
     options_quality_preset(options, quality);
     options->quality = quality;
 }

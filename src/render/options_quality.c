@@ -13,7 +13,7 @@
 #include "render/options_table.h"
 
 // Only the fields that quality decides are used.
-static const struct preset {
+static const struct {
     double effort;  // core seconds per pixel
     int spp;
     satin_options options;

@@ -8,7 +8,7 @@
 
 // Allocates the image first, so that memory does not run out after all other work is done.
 static satin_status allocate_image(struct render *r) {
-    const struct film_spec *film = &r->scene.film;
+    const struct scene_film *film = &r->scene.film;
     r->image = render_image_new(&r->scene, &r->second_pass.options);
     if (r->image) return SATIN_OK;
     return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
@@ -37,8 +37,8 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     if (status != SATIN_OK) return status;
     status = render_film_check(&r->scene, &r->second_pass.options, r->log);
     if (status != SATIN_OK) return status;
-    for (uint32_t i = 0; i < camera_count(&r->scene); i++)
-        if (camera_check(&r->scene, camera_at(&r->scene, i), r->log)) break;
+    for (uint32_t i = 0; i < scene_camera_count(&r->scene); i++)
+        if (scene_camera_check(&r->scene, scene_camera_at(&r->scene, i), r->log)) break;
     return allocate_image(r);
 }
 
@@ -71,7 +71,7 @@ static satin_status prepare_gathering(struct render *r) {
 
 // Projects the scene's glossy BRDFs onto harmonics. If there is no time for that, all are sampled
 // instead.
-static satin_status brdf_tables(struct render *r) {
+static satin_status make_tables(struct render *r) {
     if (!render_steps(r)->tables) return SATIN_OK;
     render_stage_begin(r, STAGE_TABLES, (double)r->scene.material_count);
     render_limit_tables(r);
@@ -82,7 +82,7 @@ static satin_status brdf_tables(struct render *r) {
 
 // If gather rays read them, makes the records of the indirect bounces, beginning with the last.
 static satin_status bounce_records(struct render *r) {
-    return render_steps(r)->records ? render_bounces(r) : SATIN_OK;
+    return render_steps(r)->records ? render_recursive_bounces(r) : SATIN_OK;
 }
 
 // Makes an empty cache, and what the image and the search for sites need.
@@ -162,7 +162,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = render_checkpoint_open(r);
     if (status == SATIN_OK) status = first_pass(r);
     if (status == SATIN_OK) status = prepare_gathering(r);
-    if (status == SATIN_OK) status = brdf_tables(r);
+    if (status == SATIN_OK) status = make_tables(r);
     if (status == SATIN_OK) status = bounce_records(r);
     if (status == SATIN_OK) status = prepare_second_pass(r);
     if (status == SATIN_OK && render_steps(r)->records) status = render_records(r);

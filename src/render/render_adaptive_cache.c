@@ -28,7 +28,7 @@ satin_status render_adaptive_cache(struct render *r) {
     size_t pixels;
     uint32_t *pixel = render_grid(r, stride, false, &pixels);
     satin_status status = pixel ? SATIN_OK : SATIN_ERROR_MEMORY;
-    for (uint32_t i = 0; i < camera_count(&r->scene) && status == SATIN_OK; i++) {
+    for (uint32_t i = 0; i < scene_camera_count(&r->scene) && status == SATIN_OK; i++) {
         const size_t before = cache_count_all(r->second_pass.cache);
         status = adapt_view(r, i, pixel, pixels);
         if (r->frames.view)

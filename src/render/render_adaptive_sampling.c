@@ -33,7 +33,8 @@ enum {
     ADAPTIVE_COLUMNS = 16  // a line of the processor's cache, in floats
 };
 
-bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int light_samples) {
+bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height,
+                          int light_samples) {
     size_t n = (size_t)width * (size_t)height;
     *adapt = (struct adaptive_sampling){.width = width, .height = height};
     adapt->pixel = array_new(n, sizeof *adapt->pixel);
@@ -45,11 +46,11 @@ bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int l
                                                       .light_samples = (uint32_t)light_samples};
         return true;
     }
-    adaptive_destroy(adapt);
+    render_adaptive_destroy(adapt);
     return false;
 }
 
-void adaptive_destroy(struct adaptive_sampling *adapt) {
+void render_adaptive_destroy(struct adaptive_sampling *adapt) {
     free(adapt->pixel);
     free(adapt->scratch);
     free(adapt->sum);
@@ -133,7 +134,7 @@ static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-void adaptive_compare(struct adaptive_sampling *adapt) {
+void render_adaptive_compare(struct adaptive_sampling *adapt) {
     struct adapting job = {.adapt = adapt, .floor2 = floor2(adapt)};
     each_chunk(adapt, compare_pixels, &job);
 }
@@ -149,7 +150,7 @@ static void target_rows(void *ctx, size_t begin, size_t end, int worker) {
         }
 }
 
-void adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count) {
+void render_adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count) {
     struct adapting job = {.adapt = adapt, .stride = (size_t)stride, .count = count};
     const size_t rows = (size_t)((adapt->height + stride - 1) / stride);
     parallel_for_all(adapt->pool, rows, ADAPTIVE_ROWS, target_rows, &job);
@@ -258,14 +259,14 @@ static float find_factor(const struct adaptive_sampling *adapt, const float *wan
     return hi.value;
 }
 
-double adaptive_variance(struct adaptive_sampling *adapt) {
+double render_adaptive_variance(struct adaptive_sampling *adapt) {
     const float *want = find_wanted(adapt);
     double sum = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) sum += (double)want[i];
     return pow(sum / (double)pixels(adapt), 1.0 + (double)GAIN);
 }
 
-void adaptive_distribute(struct adaptive_sampling *adapt, uint64_t samples) {
+void render_adaptive_distribute(struct adaptive_sampling *adapt, uint64_t samples) {
     const float *want = find_wanted(adapt);
     const float factor = find_factor(adapt, want, (double)samples);
     // If the noise is in a few pixels, the rest of the samples is distributed uniformly.
@@ -322,7 +323,7 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
 // With m light samples of variance v each, and w the variance of a sample from all other sources, n
 // samples have the variance w n^-GAIN + v (n m)^-GAIN and cost n (cost + m). The least variance for
 // its cost is at m = (v cost / w)^(1 / (1 + GAIN)).
-void adaptive_lights(struct adaptive_sampling *adapt, float cost) {
+void render_adaptive_lights(struct adaptive_sampling *adapt, float cost) {
     const size_t n = pixels(adapt);
     float *light = adapt->scratch, *rest = light + n, *other = rest + n;
     struct adapting job = {.adapt = adapt, .from = light, .to = light, .factor = cost};
@@ -332,7 +333,7 @@ void adaptive_lights(struct adaptive_sampling *adapt, float cost) {
     each_chunk(adapt, set_lights, &job);
 }
 
-double adaptive_light_samples(const struct adaptive_sampling *adapt) {
+double render_adaptive_light_samples(const struct adaptive_sampling *adapt) {
     double light_samples = 0.0, samples = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) {
         light_samples += adapt->pixel[i].light_samples_taken;

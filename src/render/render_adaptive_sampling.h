@@ -29,10 +29,12 @@ struct adaptive_sampling {
 };
 
 // False if there is no memory. `lights` is the number of light samples of the first samples.
-bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int light_samples);
-void adaptive_destroy(struct adaptive_sampling *adapt);  // a zeroed one is allowed
+bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height,
+                          int light_samples);
+void render_adaptive_destroy(struct adaptive_sampling *adapt);  // a zeroed one is allowed
 
-static inline void adaptive_add(struct adaptive_pixel *pixel, rgb value, float light_variance) {
+static inline void render_adaptive_add(struct adaptive_pixel *pixel, rgb value,
+                                       float light_variance) {
     pixel->sum = rgb_add(pixel->sum, value);
     pixel->squares += sqrf(rgb_luminance(value));
     pixel->light_variance += light_variance;
@@ -41,22 +43,22 @@ static inline void adaptive_add(struct adaptive_pixel *pixel, rgb value, float l
 }
 
 // To be called after a pass: compares each pixel's new samples with those before.
-void adaptive_compare(struct adaptive_sampling *adapt);
+void render_adaptive_compare(struct adaptive_sampling *adapt);
 // Sets the targets of the next pass to at least `count` samples in every pixel of a grid. `stride`
 // is the number of pixels from one of them to the next, in both directions.
-void adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count);
+void render_adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count);
 // Sets the targets of the next pass to `samples` more, where they lower the relative squared error
 // of the image most. Samples beyond what noisy pixels may get in one pass are distributed
 // uniformly.
-void adaptive_distribute(struct adaptive_sampling *adapt, uint64_t samples);
+void render_adaptive_distribute(struct adaptive_sampling *adapt, uint64_t samples);
 
 // The relative squared error of the image, summed over channels, of one sample per pixel
-// distributed by adaptive_distribute. Of n samples it is this over n^1.5.
-double adaptive_variance(struct adaptive_sampling *adapt);
+// distributed by render_adaptive_distribute. Of n samples it is this over n^1.5.
+double render_adaptive_variance(struct adaptive_sampling *adapt);
 // To be called after a pass: sets the number of light samples of each pixel's next samples. `cost`
 // is the cost of a sample without light samples, over that of one light sample.
-void adaptive_lights(struct adaptive_sampling *adapt, float cost);
+void render_adaptive_lights(struct adaptive_sampling *adapt, float cost);
 // The mean number of light samples of a sample.
-double adaptive_light_samples(const struct adaptive_sampling *adapt);
+double render_adaptive_light_samples(const struct adaptive_sampling *adapt);
 
 #endif

@@ -37,7 +37,7 @@ double render_budget_snapshot(double seconds, int threads);
 // The pilot (render_image_pilot.c): the largest number of its pixels along a side of the image, and
 // of the samples of each. This number of pixels shows V within 5 % and q within .2 % from seed to
 // seed (cornell-glossy and indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04
-// core seconds in either scene. adaptive_compare needs at least two halves of two samples.
+// core seconds in either scene. render_adaptive_compare needs at least two halves of two samples.
 enum { RENDER_PILOT_SIDE = 64, RENDER_PILOT_SAMPLES = 4 };
 // Measurements of the pilot.
 struct render_pace {

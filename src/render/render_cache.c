@@ -68,7 +68,7 @@ static uint64_t view_hash(const struct render *r) {
     const uint64_t views = render_views_hash(r);
     if (views) hash = fileio_hash(hash, &views, sizeof views);
     if (o->crop_width < 1 || o->crop_height < 1) return hash;
-    const struct film_spec *film = &r->scene.film;
+    const struct scene_film *film = &r->scene.film;
     const int32_t window[4] = {film->width, film->height, film->crop_x, film->crop_y};
     return fileio_hash(hash, window, sizeof window);
 }

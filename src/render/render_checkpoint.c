@@ -99,7 +99,7 @@ static satin_status compare_identities(const struct render *r, const char *here,
 static bool read_loop(void *user, struct bytes *out) {
     struct render *r = user;
     struct render_checkpoint *c = r->checkpoint;
-    c->reading = c->reading && checkpoint_file_read(c->file, CHECKPOINT_LOOP, out);
+    c->reading = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_LOOP, out);
     stats_add(&r->stats, "checkpoint.loops", c->reading);
     return c->reading;
 }
@@ -108,7 +108,7 @@ static bool read_loop(void *user, struct bytes *out) {
 static void note_failure(struct render *r, satin_status status) {
     if (status == SATIN_OK) return;
     r->outcome.checkpointed = status;
-    checkpoint_file_close(r->checkpoint->file);
+    render_checkpoint_file_close(r->checkpoint->file);
     r->checkpoint->file = NULL;
     log_message(r->log, SATIN_LOG_WARNING, "the render goes on without a checkpoint");
 }
@@ -118,7 +118,7 @@ static void write_loop(void *user, const struct bytes *results) {
     struct render_checkpoint *c = r->checkpoint;
     if (!c->file) return;
     note_failure(r, results->count
-                        ? checkpoint_file_append(c->file, CHECKPOINT_LOOP, results, r->log)
+                        ? render_checkpoint_file_append(c->file, CHECKPOINT_LOOP, results, r->log)
                         : log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory",
                                    r->callbacks.checkpoint));
 }
@@ -133,7 +133,7 @@ static satin_status identify(struct render *r) {
     struct bytes there = {0};
     satin_status status = SATIN_OK;
     bool more;
-    if (!checkpoint_file_read(c->file, CHECKPOINT_IDENTITY, &there) || there.count == 0 ||
+    if (!render_checkpoint_file_read(c->file, CHECKPOINT_IDENTITY, &there) || there.count == 0 ||
         there.data[there.count - 1] != 0)
         status = log_fail(r->log, SATIN_ERROR_INPUT, "%s: the checkpoint is damaged",
                           r->callbacks.checkpoint);
@@ -151,8 +151,8 @@ static satin_status open_file(struct render *r) {
     c->identity = render_identity(r);
     if (!c->identity) return SATIN_ERROR_MEMORY;
     const struct bytes identity = identity_bytes(c);
-    satin_status status =
-        checkpoint_file_open(path, &identity, r->callbacks.resume, r->log, &c->resumed, &c->file);
+    satin_status status = render_checkpoint_file_open(path, &identity, r->callbacks.resume, r->log,
+                                                      &c->resumed, &c->file);
     c->reading = c->resumed;
     if (status == SATIN_OK && c->resumed) status = identify(r);
     c->journal = (struct parallel_journal){r, read_loop, write_loop};
@@ -184,7 +184,7 @@ satin_status render_checkpoint_check(const struct render *r, satin_status status
 
 void render_checkpoint_free(struct render *r) {
     if (!r->checkpoint) return;
-    checkpoint_file_close(r->checkpoint->file);
+    render_checkpoint_file_close(r->checkpoint->file);
     free(r->checkpoint->identity);
     free(r->checkpoint);
 }
@@ -197,7 +197,7 @@ satin_status render_checkpoint_begin_image(struct render *r, bool *restored) {
     if (!c) return SATIN_OK;
     parallel_set_journal(r->pool, NULL, false);
     struct bytes state = {0};
-    *restored = c->reading && checkpoint_file_read(c->file, CHECKPOINT_IMAGE, &state);
+    *restored = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_IMAGE, &state);
     c->reading = false;
     *restored = parallel_broadcast(r->pool, *restored, &state);
     satin_status status = parallel_status(r->pool);
@@ -240,7 +240,7 @@ void render_checkpoint_write(struct render *r) {
     const satin_status status =
         state.failed
             ? log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->callbacks.checkpoint)
-            : checkpoint_file_replace(c->file, &identity, &state, r->log);
+            : render_checkpoint_file_replace(c->file, &identity, &state, r->log);
     bytes_free(&state);
     note_failure(r, status);
     atomic_store(&r->image->progressed, false);

@@ -66,8 +66,8 @@ static bool write_range(int fd, const void *data, size_t size, uint64_t offset) 
     return true;
 }
 
-bool checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry kind,
-                          struct bytes *out) {
+bool render_checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry kind,
+                                 struct bytes *out) {
     struct entry_head head;
     struct stat st;
     if (!read_range(file->fd, &head, sizeof head, file->next) || head.kind != (uint32_t)kind ||
@@ -86,8 +86,8 @@ bool checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry ki
     return true;
 }
 
-satin_status checkpoint_file_append(struct checkpoint_file *file, enum checkpoint_entry kind,
-                                    const struct bytes *entry, struct log log) {
+satin_status render_checkpoint_file_append(struct checkpoint_file *file, enum checkpoint_entry kind,
+                                           const struct bytes *entry, struct log log) {
     const struct entry_head head = head_of(kind, entry);
     const uint64_t at = file->next + sizeof head;
     if (ftruncate(file->fd, (off_t)file->next) == 0 &&
@@ -173,8 +173,9 @@ static satin_status begin_new(const char *path, const struct bytes *identity, st
     return status;
 }
 
-satin_status checkpoint_file_open(const char *path, const struct bytes *identity, bool resume,
-                                  struct log log, bool *resumed, struct checkpoint_file **out) {
+satin_status render_checkpoint_file_open(const char *path, const struct bytes *identity,
+                                         bool resume, struct log log, bool *resumed,
+                                         struct checkpoint_file **out) {
     int fd;
     satin_status status = open_existing(path, log, resumed, &fd);
     *resumed = *resumed && resume;
@@ -194,7 +195,7 @@ satin_status checkpoint_file_open(const char *path, const struct bytes *identity
     return status;
 }
 
-void checkpoint_file_close(struct checkpoint_file *file) {
+void render_checkpoint_file_close(struct checkpoint_file *file) {
     if (!file) return;
     close(file->fd);
     free(file);
@@ -215,8 +216,9 @@ static bool copy_range(const struct checkpoint_file *file, uint64_t begin, uint6
     return done;
 }
 
-satin_status checkpoint_file_replace(struct checkpoint_file *file, const struct bytes *identity,
-                                     const struct bytes *image, struct log log) {
+satin_status render_checkpoint_file_replace(struct checkpoint_file *file,
+                                            const struct bytes *identity, const struct bytes *image,
+                                            struct log log) {
     const struct file_head head = new_head();
     const struct entry_head first = head_of(CHECKPOINT_IDENTITY, identity);
     const struct entry_head last = head_of(CHECKPOINT_IMAGE, image);

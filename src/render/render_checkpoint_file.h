@@ -19,24 +19,26 @@ struct checkpoint_file;
 // existing one, if there is one; *resumed says which.
 // Another process that uses the file, a file that is no checkpoint, and one of another version are
 // refused with one logged line. `path` must stay valid as long as *out.
-satin_status checkpoint_file_open(const char *path, const struct bytes *identity, bool resume,
-                                  struct log log, bool *resumed, struct checkpoint_file **out);
-void checkpoint_file_close(struct checkpoint_file *file);  // NULL is allowed
+satin_status render_checkpoint_file_open(const char *path, const struct bytes *identity,
+                                         bool resume, struct log log, bool *resumed,
+                                         struct checkpoint_file **out);
+void render_checkpoint_file_close(struct checkpoint_file *file);  // NULL is allowed
 
 // Sets *out to the next entry and goes to the one after it, if that can be: the state of an image
 // remains the next one, to be replaced. False if the next entry is of another kind, or damaged, or
 // there is none.
-bool checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry kind,
-                          struct bytes *out);
+bool render_checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry kind,
+                                 struct bytes *out);
 // Replaces everything from the next entry on by this one, and goes behind it. After a process was
 // killed the file has all entries but the one that was being written. SATIN_ERROR_IO, logged, if it
 // cannot be written: then the file has all entries before.
-satin_status checkpoint_file_append(struct checkpoint_file *file, enum checkpoint_entry kind,
-                                    const struct bytes *entry, struct log log);
+satin_status render_checkpoint_file_append(struct checkpoint_file *file, enum checkpoint_entry kind,
+                                           const struct bytes *entry, struct log log);
 // Writes a new file: this identity, all further entries up to the next one, and the image; and
 // renames it to the name of the file. The next entry remains. SATIN_ERROR_IO, logged: then the file
 // is as before.
-satin_status checkpoint_file_replace(struct checkpoint_file *file, const struct bytes *identity,
-                                     const struct bytes *image, struct log log);
+satin_status render_checkpoint_file_replace(struct checkpoint_file *file,
+                                            const struct bytes *identity, const struct bytes *image,
+                                            struct log log);
 
 #endif

@@ -42,7 +42,7 @@ satin_status render_denoiser(struct render *r) {
     return film_denoiser_open(parallel_threads(r->pool), r->log, &r->denoiser);
 }
 
-static void fill_plane_rows(void *ctx, size_t begin, size_t end, int worker) {
+static void set_plane_rows(void *ctx, size_t begin, size_t end, int worker) {
     const struct render_image *image = ctx;
     const struct film_noisy *noisy = &image->noisy;
     rgb *light = image->planes;
@@ -69,7 +69,7 @@ void render_denoise(struct render *r) {
     struct render_image *image = r->image;
     struct asked asked = {r, false};
     parallel_begin_part(r->pool, "denoise");
-    parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, fill_plane_rows, image);
+    parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, set_plane_rows, image);
     // A coarse image has samples of a few pixels; the other pixels are copies of these.
     if (render_steps(r)->coarse || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");

@@ -95,11 +95,11 @@ static const struct {
     {"CryptoMaterial02.A", ANY},
 };
 
-static void put(const struct film_planes *planes, int channel, size_t at, float value) {
+static void put(const struct channel_planes *planes, int channel, size_t at, float value) {
     if (planes->of[channel]) planes->of[channel][at] = value;
 }
 
-static void put_rgb(const struct film_planes *planes, int channel, size_t at, rgb value,
+static void put_rgb(const struct channel_planes *planes, int channel, size_t at, rgb value,
                     float scale) {
     put(planes, channel, at, value.r * scale);
     put(planes, channel + 1, at, value.g * scale);
@@ -136,8 +136,8 @@ static rgb mean_emission(const struct image_pixel *pixel) {
     return rgb_scale(sum, 1.0f / weight);
 }
 
-static void put_pixel(const struct film_planes *planes, size_t at, const struct image_pixel *pixel,
-                      const struct render_image *image) {
+static void put_pixel(const struct channel_planes *planes, size_t at,
+                      const struct image_pixel *pixel, const struct render_image *image) {
     const float scale = render_image_scale(pixel);
     const rgb *seen = &pixel->layer[SHADE_EMISSION], emission = mean_emission(pixel);
     const rgb beauty = rgb_add(rgb_scale(rgb_sub(pixel->beauty, *seen), scale), emission);
@@ -158,7 +158,8 @@ static void put_pixel(const struct film_planes *planes, size_t at, const struct 
 }
 
 // Sets the channels that describe the pixel's records, as means by weight.
-static void put_maps(const struct film_planes *planes, size_t at, const struct image_pixel *pixel) {
+static void put_maps(const struct channel_planes *planes, size_t at,
+                     const struct image_pixel *pixel) {
     const struct cache_used *used = &pixel->used;
     const float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
     const float mean = used->weight > 0.0f ? 1.0f / used->weight : 0.0f;
@@ -169,7 +170,7 @@ static void put_maps(const struct film_planes *planes, size_t at, const struct i
 }
 
 // Sets the variance of the pixel's mean, by the differences of its complete blocks.
-static void put_variance(const struct render_image *image, const struct film_planes *planes,
+static void put_variance(const struct render_image *image, const struct channel_planes *planes,
                          size_t at, const struct image_pixel *pixel) {
     const struct image_blocks *blocks = &image->blocks[pixel - image->pixel];
     const double m = (double)image->block, n = (double)(pixel->samples / image->block);
@@ -184,23 +185,23 @@ static void put_variance(const struct render_image *image, const struct film_pla
     }
 }
 
-static void put_mattes(const struct render_image *image, const struct film_planes *planes,
-                       size_t at, const struct image_pixel *pixel) {
+static void put_cryptomattes(const struct render_image *image, const struct channel_planes *planes,
+                             size_t at, const struct image_pixel *pixel) {
     const float scale =
         pixel->weight != 0.0f ? 1.0f / pixel->weight : 0.0f;  // see fraction_covered
-    for (int k = 0; k < MATTES; k++) {
-        float value[MATTE_CHANNELS];
-        const int last = CHANNEL_MATTES + (k + 1) * MATTE_CHANNELS - 1;
-        if (!image->mattes.pixel[k] || !planes->of[last]) continue;
-        matte_ranks(&image->mattes.pixel[k][pixel - image->pixel], scale, value);
-        for (int i = 0; i < MATTE_CHANNELS; i++)
-            put(planes, CHANNEL_MATTES + k * MATTE_CHANNELS + i, at, value[i]);
+    for (int k = 0; k < CRYPTOMATTES; k++) {
+        float value[CRYPTOMATTE_CHANNELS];
+        const int last = CHANNEL_CRYPTOMATTE + (k + 1) * CRYPTOMATTE_CHANNELS - 1;
+        if (!image->cryptomatte.pixel[k] || !planes->of[last]) continue;
+        render_cryptomatte_ranks(&image->cryptomatte.pixel[k][pixel - image->pixel], scale, value);
+        for (int i = 0; i < CRYPTOMATTE_CHANNELS; i++)
+            put(planes, CHANNEL_CRYPTOMATTE + k * CRYPTOMATTE_CHANNELS + i, at, value[i]);
     }
 }
 
 // Sets the channels of the scene's AOVs.
-static void put_aovs(const struct render_image *image, const struct film_planes *planes, size_t at,
-                     const struct image_pixel *pixel) {
+static void put_aovs(const struct render_image *image, const struct channel_planes *planes,
+                     size_t at, const struct image_pixel *pixel) {
     const struct scene_aovs *aovs = image->aovs;
     const float scale = render_image_scale(pixel);
     const float *sum = image->aov + (size_t)(pixel - image->pixel) * image->sums;
@@ -233,7 +234,7 @@ static bool is_beauty(const char *channel) {
 // have an option of their own; and all if it is empty.
 static bool is_wanted(const char *layers, const char *channel) {
     const size_t length = layer_length(channel);
-    if (!*layers || is_beauty(channel) || film_is_matte(channel)) return true;
+    if (!*layers || is_beauty(channel) || film_is_cryptomatte(channel)) return true;
     for (const char *at = layers; *at;) {
         const size_t word = strcspn(at, ",");
         if (word == length && strncmp(at, channel, word) == 0) return true;
@@ -246,12 +247,12 @@ static bool has_channel(const struct satin_scene *scene, const satin_options *op
     if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) return false;
     if (i >= CHANNEL_NOISY && i < CHANNEL_VARIANCE && !options->denoise) return false;
     // A denoised image has another variance, and weights of both signs have none by this estimate.
-    if (i >= CHANNEL_VARIANCE && i < CHANNEL_MATTES &&
-        (options->denoise || film_filter_has_lobes(&scene->film)))
+    if (i >= CHANNEL_VARIANCE && i < CHANNEL_CRYPTOMATTE &&
+        (options->denoise || scene_film_filter_has_lobes(&scene->film)))
         return false;
     if (i == CHANNEL_ALPHA && !scene->film.alpha) return false;
-    if (i >= CHANNEL_MATTES &&
-        !((int)options->cryptomatte & 1 << (i - CHANNEL_MATTES) / MATTE_CHANNELS))
+    if (i >= CHANNEL_CRYPTOMATTE &&
+        !((int)options->cryptomatte & 1 << (i - CHANNEL_CRYPTOMATTE) / CRYPTOMATTE_CHANNELS))
         return false;
     return channels[i].by & 1u << options->integrator &&
            !is_aov(&scene->hints.aovs, channels[i].name);
@@ -316,7 +317,7 @@ int render_film_channels(const struct satin_scene *scene, const satin_options *o
 
 struct satin_film *render_film_new(const struct satin_scene *scene, const satin_options *options) {
     const char *name[NAMES_MAX];
-    const struct film_spec *spec = &scene->film;
+    const struct scene_film *spec = &scene->film;
     const int wanted = wanted_channels(scene, options, name);
     struct satin_film *film = film_new(spec->crop_width, spec->crop_height, name, wanted);
     if (!film) return NULL;
@@ -333,8 +334,9 @@ struct satin_film *render_film_new(const struct satin_scene *scene, const satin_
 // The least number of rows that are converted at a time.
 enum { FILM_BAND = 64 };
 
-struct film_planes render_film_planes(const struct render_image *image, struct satin_film *film) {
-    struct film_planes planes;
+struct channel_planes render_film_planes(const struct render_image *image,
+                                         struct satin_film *film) {
+    struct channel_planes planes;
     for (int i = 0; i < FILM_CHANNELS; i++)
         planes.of[i] =
             is_aov(image->aovs, channels[i].name) ? NULL : film_channel(film, channels[i].name);
@@ -343,25 +345,25 @@ struct film_planes render_film_planes(const struct render_image *image, struct s
     return planes;
 }
 
-void render_film_put(const struct render_image *image, const struct film_planes *planes, size_t at,
-                     const struct image_pixel *source) {
+void render_film_put(const struct render_image *image, const struct channel_planes *planes,
+                     size_t at, const struct image_pixel *source) {
     put(planes, CHANNEL_SAMPLES, at, (float)image->pixel[at].samples);
     if (!source) return;
     put_pixel(planes, at, source, image);
     put_maps(planes, at, source);
     if (image->blocks) put_variance(image, planes, at, source);
-    put_mattes(image, planes, at, source);
+    put_cryptomattes(image, planes, at, source);
     if (image->aov) put_aovs(image, planes, at, source);
 }
 
 struct filming {
     const struct render_image *image;
     int first;  // row of the band
-    struct film_planes planes;
+    struct channel_planes planes;
     atomic_uint_fast64_t samples, dropped, filled;
 };
 
-static void fill_rows_of_film(void *ctx, size_t begin, size_t end, int worker) {
+static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
     struct filming *f = ctx;
     const struct render_image *image = f->image;
     const size_t width = (size_t)image->width;
@@ -392,18 +394,19 @@ void render_image_film(struct render *r, bool *any) {
     f.planes = render_film_planes(image, image->film);
     // The film grows by as much as the sums of the pixels shrink, so that both are never in memory
     // at the same time. A row reads pixels of its own band alone (render_image_source).
-    adaptive_destroy(&r->image->adapt);
+    render_adaptive_destroy(&r->image->adapt);
     const int band = image->coarsest > FILM_BAND ? image->coarsest : FILM_BAND;
     for (; f.first < image->height; f.first += band) {
         const int rows = image->height - f.first < band ? image->height - f.first : band;
         const size_t begin = (size_t)f.first * (size_t)image->width,
                      count = (size_t)rows * (size_t)image->width;
         // A cancelled render has a film too.
-        parallel_for_all(r->pool, (size_t)rows, 4, fill_rows_of_film, &f);
+        parallel_for_all(r->pool, (size_t)rows, 4, set_film_rows, &f);
         array_drop(image->pixel + begin, count * sizeof *image->pixel);
-        for (int k = 0; k < MATTES; k++)
-            if (image->mattes.pixel[k])
-                array_drop(image->mattes.pixel[k] + begin, count * sizeof *image->mattes.pixel[k]);
+        for (int k = 0; k < CRYPTOMATTES; k++)
+            if (image->cryptomatte.pixel[k])
+                array_drop(image->cryptomatte.pixel[k] + begin,
+                           count * sizeof *image->cryptomatte.pixel[k]);
         if (image->aov)
             array_drop(image->aov + begin * image->sums, count * image->sums * sizeof *image->aov);
     }

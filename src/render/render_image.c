@@ -17,8 +17,8 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
     const double pixels = (double)scene->film.crop_width * (double)scene->film.crop_height;
     double bytes = sizeof(struct image_pixel) + sizeof(struct adaptive_pixel) + 4 * sizeof(float);
     bytes += (double)aovs->values * (aovs->moment ? 2.0 : 1.0) * sizeof(float);
-    for (int k = 0; k < MATTES; k++)
-        if ((int)options->cryptomatte >> k & 1) bytes += sizeof(struct matte_pixel);
+    for (int k = 0; k < CRYPTOMATTES; k++)
+        if ((int)options->cryptomatte >> k & 1) bytes += sizeof(struct cryptomatte_pixel);
     if (options->integrator == SATIN_PATH && !options->denoise)
         bytes += sizeof(struct image_blocks);
     if (options->denoise) bytes += 5 * sizeof(rgb);
@@ -48,18 +48,19 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     while (2 * IMAGE_BLOCKS * image->block <= (uint32_t)options->spp) image->block *= 2;
     bool ok = (image->blocks || !variance) && image->pixel && image->film &&
               (image->aov || !aovs->values);
-    if (ok) ok = render_mattes_make(&image->mattes, scene, options);
+    if (ok) ok = render_cryptomatte_make(&image->cryptomatte, scene, options);
     if (ok && options->denoise) ok = render_denoise_memory(image);
-    if (ok && adaptive_make(&image->adapt, width, height, options->light_samples)) return image;
+    if (ok && render_adaptive_make(&image->adapt, width, height, options->light_samples))
+        return image;
     render_image_free(image);
     return NULL;
 }
 
 void render_image_free(struct render_image *image) {
     if (!image) return;
-    adaptive_destroy(&image->adapt);
+    render_adaptive_destroy(&image->adapt);
     satin_film_free(image->film);
-    render_mattes_destroy(&image->mattes);
+    render_cryptomatte_destroy(&image->cryptomatte);
     free(image->tile_user);
     free(image->planes);
     free(image->uncached);
@@ -77,9 +78,9 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
     if (image->taken < render_budget_equal_samples(&r->second_pass.options) * pixels)
-        adaptive_equal(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
+        render_adaptive_equal(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
     else
-        adaptive_distribute(&image->adapt, *samples);
+        render_adaptive_distribute(&image->adapt, *samples);
     return true;
 }
 
@@ -90,7 +91,7 @@ static void note_counts(struct render *r) {
     stats_set(&r->stats, "image.interpolated", (double)sum.interpolated);
     stats_set(&r->stats, "image.gathered", (double)sum.gathered);
     stats_set(&r->stats, "image.rays", (double)sum.rays);
-    stats_set(&r->stats, "image.light_samples", adaptive_light_samples(&r->image->adapt));
+    stats_set(&r->stats, "image.light_samples", render_adaptive_light_samples(&r->image->adapt));
     stats_set(&r->stats, "image.records_per_interpolation",
               sum.interpolated ? (double)sum.records_used / (double)sum.interpolated : 0.0);
     stats_set(&r->stats, "image.spp",
@@ -100,10 +101,10 @@ static void note_counts(struct render *r) {
 // To be called after a pass: sets how many samples and light samples each pixel gets.
 static void plan_samples(struct render *r) {
     parallel_begin_part(r->pool, "plan");
-    adaptive_compare(&r->image->adapt);
+    render_adaptive_compare(&r->image->adapt);
     const satin_options *o = &r->second_pass.options;
     if (o->integrator != SATIN_TWO_PASS || !o->adaptive_sampling) return;
-    adaptive_lights(&r->image->adapt, render_budget_sample_cost(&r->image->counts));
+    render_adaptive_lights(&r->image->adapt, render_budget_sample_cost(&r->image->counts));
 }
 
 // Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
@@ -117,7 +118,7 @@ static bool take_first_samples(struct image_pass *pass) {
     if (r->progress.course == COURSE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         parallel_begin_part(r->pool, "plan");
-        adaptive_equal(&r->image->adapt, stride, 1);
+        render_adaptive_equal(&r->image->adapt, stride, 1);
         whole = render_pass_run(pass);
         r->image->has_first_samples |= whole;
         render_limit_restore(r, limit);

@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 
 #include "base/bytes.h"
-#include "render/render_mattes.h"
+#include "render/render_cryptomatte.h"
 #include "render/render_state.h"
 
 // The weighted sums of a pixel's samples.
@@ -42,14 +42,14 @@ enum {
     CHANNEL_NOISY = CHANNEL_MAPS + 4,  // with option denoise
     CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
     CHANNEL_VARIANCE = CHANNEL_UNCACHED + 3,
-    CHANNEL_MATTES = CHANNEL_VARIANCE + 3,  // with option cryptomatte
-    FILM_CHANNELS = CHANNEL_MATTES + MATTES * MATTE_CHANNELS,
+    CHANNEL_CRYPTOMATTE = CHANNEL_VARIANCE + 3,  // with option cryptomatte
+    FILM_CHANNELS = CHANNEL_CRYPTOMATTE + CRYPTOMATTES * CRYPTOMATTE_CHANNELS,
     NAMES_MAX = FILM_CHANNELS + AOV_CHANNELS_MAX  // of an image
 };
 
 // The planes of a film's channels, and of those of the scene's AOVs; NULL: the film does not have
 // the channel.
-struct film_planes {
+struct channel_planes {
     float *of[FILM_CHANNELS];
     float *aov[AOV_CHANNELS_MAX];
 };
@@ -62,7 +62,7 @@ struct render_image {
     // pixel by pixel; NULL: there are none.
     float *aov;
     size_t sums;  // number of sums per pixel
-    struct render_mattes mattes;
+    struct render_cryptomatte cryptomatte;
     struct adaptive_sampling adapt;
     struct image_blocks *blocks;  // of path, for its variance; else NULL
     uint32_t block;               // number of samples of a block, a power of two
@@ -95,7 +95,7 @@ float render_image_scale(const struct image_pixel *pixel);
 // The film of snapshots, and when the next one is made (render_snapshot.c).
 struct render_snapshot {
     struct satin_film *film;
-    struct film_planes planes;
+    struct channel_planes planes;
     unsigned char *has;  // of each pixel, whether the film has a value of its own samples
     size_t pixels, missing;
     double next;  // wall clock before which no snapshot is made
@@ -111,11 +111,11 @@ void render_tile_end(struct render_image *image, size_t tile);
 void render_tile_yield(struct render_image *image, size_t tile, int worker);
 
 // The planes of a film that has some of the image's channels (render_film.c).
-struct film_planes render_film_planes(const struct render_image *image, struct satin_film *film);
+struct channel_planes render_film_planes(const struct render_image *image, struct satin_film *film);
 // Sets pixel `at` of all planes to the values of `source`, a sampled pixel of the image; if it is
 // NULL, only the number of samples.
-void render_film_put(const struct render_image *image, const struct film_planes *planes, size_t at,
-                     const struct image_pixel *source);
+void render_film_put(const struct render_image *image, const struct channel_planes *planes,
+                     size_t at, const struct image_pixel *source);
 
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).

@@ -103,12 +103,12 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
         if (parallel_stopped(pool)) return false;  // it may be incomplete
         bool finite = add_sample(&image->pixel[at], &sample);
         if (finite && image->aov) add_aovs(image, at, &sample);
-        if (finite) render_mattes_add(&image->mattes, at, &sample);
+        if (finite) render_cryptomatte_add(&image->cryptomatte, at, &sample);
         if (finite && image->blocks) add_to_block(image, at, sample.beauty);
         if (finite && image->uncached)
             image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);
-        adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
-                     finite ? sample.light_variance : 0.0f);
+        render_adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
+                            finite ? sample.light_variance : 0.0f);
         render_tile_yield(image, worker->tile, number);
         // A late pass takes thousands of samples of every pixel.
         if (++worker->samples % ASK_SAMPLES == 0 && parallel_cancelled(pool, number)) return false;

@@ -35,7 +35,7 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
             const bool finite = shade_sample_finite(&s);
             rgb light = finite ? rgb_sub(s.beauty, s.layer[SHADE_EMISSION]) : rgb_grey(0.0f);
             rgb indirect = rgb_add(s.layer[SHADE_INDIRECT_DIFFUSE], s.layer[SHADE_INDIRECT_GLOSSY]);
-            adaptive_add(pixel, light, finite ? s.light_variance : 0.0f);
+            render_adaptive_add(pixel, light, finite ? s.light_variance : 0.0f);
             if (finite) pilot->indirect[i] = rgb_add(pilot->indirect[i], indirect);
         }
     }
@@ -63,11 +63,11 @@ static bool pilot_make(struct image_pilot *pilot, struct render *r) {
     pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
     if (!pilot->worker || !pilot->indirect) return false;
     for (int i = 0; i < workers; i++) pilot->worker[i].gather = r->second_pass.shade.worker[i];
-    return adaptive_make(&pilot->adapt, columns, rows, r->options.light_samples);
+    return render_adaptive_make(&pilot->adapt, columns, rows, r->options.light_samples);
 }
 
 static void pilot_destroy(struct image_pilot *pilot) {
-    adaptive_destroy(&pilot->adapt);
+    render_adaptive_destroy(&pilot->adapt);
     free(pilot->worker);
     free(pilot->indirect);
 }
@@ -84,15 +84,15 @@ satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
     bool whole = true;
     for (uint32_t n = RENDER_PILOT_SAMPLES / 2; whole && n <= RENDER_PILOT_SAMPLES;
          n += RENDER_PILOT_SAMPLES / 2) {
-        adaptive_equal(&pilot.adapt, 1, n);
+        render_adaptive_equal(&pilot.adapt, 1, n);
         whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
-        adaptive_compare(&pilot.adapt);
+        render_adaptive_compare(&pilot.adapt);
     }
     render_limit_restore(r, limit);
     if (whole) {
         const double seconds = render_agreed(r, stats_wall() - start);
         pace->samples = RENDER_PILOT_SAMPLES * (double)pixels / fmax(seconds, 1e-9);
-        pace->variance = adaptive_variance(&pilot.adapt);
+        pace->variance = render_adaptive_variance(&pilot.adapt);
         pace->indirect2 = mean_square_indirect(&pilot);
     }
     pilot_destroy(&pilot);

@@ -37,7 +37,7 @@ static bool reads_module(const struct satin_scene *scene) {
     return module;
 }
 
-static double scene_bytes(const struct satin_scene *scene) {
+static double bytes_of_scene(const struct satin_scene *scene) {
     return (double)scene->arena.bytes + TRIANGLE_BYTES * (double)scene->triangle_count +
            (reads_module(scene) ? MODULE_BYTES : 0.0);
 }
@@ -77,9 +77,9 @@ satin_status render_memory_begin(struct render *r) {
     struct render_memory *m = &r->memory;
     satin_options *o = &r->options;
     if (o->memory <= 0) return SATIN_OK;
-    const struct render_steps *steps = render_steps(r);
+    const struct course_steps *steps = render_steps(r);
     m->limit = (double)o->memory;
-    m->fixed = PROCESS_BYTES + scene_bytes(&r->scene) +
+    m->fixed = PROCESS_BYTES + bytes_of_scene(&r->scene) +
                render_image_bytes(&r->scene, &r->second_pass.options, &r->callbacks);
     m->thread = THREAD_BYTES + (steps->records ? RAY_BYTES * rays_of_hemisphere(o) : 0.0);
     if (steps->records && o->guide_visibility) m->visibility = guide_visibility_most(&r->scene);

@@ -30,7 +30,7 @@ static void set_camera(const struct satin_scene *scene, struct film_camera *out)
     const float near = camera->near_clip, far = camera->far_clip, depth = far / (far - near);
     struct mat4 to_camera, to_film = {{{0}}};
     if (!mat4_inverse(&camera->to_world, &to_camera)) return;
-    // As camera_ray maps film positions to the plane z = 1, or for parallel rays to any.
+    // As scene_camera_ray maps film positions to the plane z = 1, or for parallel rays to any.
     const int at = camera->orthographic ? 3 : 2;  // the column of what the offset multiplies
     to_film.m[0][0] = -0.5f / camera->tan_x;
     to_film.m[1][1] = -0.5f / camera->tan_y;
@@ -50,7 +50,7 @@ static void set_camera(const struct satin_scene *scene, struct film_camera *out)
 static void set_ranks(struct render *r) {
     const satin_ranks *ranks = r->callbacks.ranks;
     if (!ranks) return;
-    const struct parallel_traffic traffic = parallel_traffic(r->pool);
+    const struct parallel_traffic traffic = parallel_get_traffic(r->pool);
     stats_set(&r->stats, "ranks.count", ranks->count);
     stats_set(&r->stats, "ranks.loops", traffic.loops);
     stats_set(&r->stats, "ranks.results_bytes", traffic.bytes);
@@ -84,7 +84,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&
               film_attribute_set(film, "satin:scene_hash", hash) &&
               film_attribute_set(film, "satin:options", options);
-    if (ok) ok = render_mattes_describe(&r->scene, &r->second_pass.options, film);
+    if (ok) ok = render_cryptomatte_describe(&r->scene, &r->second_pass.options, film);
     snprintf(number, sizeof number, "%d", r->frames.next - 1);
     if (ok && r->frames.view)
         ok = film_attribute_set(film, "satin:frame", number) &&

@@ -16,7 +16,7 @@ static int resolve_value(int value, int open, int scene, int scene_open, int fal
 // Sets another film size: if only one number is given, the aspect ratio is kept, else the
 // horizontal field of view. A crop window keeps its position.
 static void resize(struct satin_scene *scene, int width, int height) {
-    struct film_spec *film = &scene->film;
+    struct scene_film *film = &scene->film;
     if (width <= 0 && height <= 0) return;
     double aspect = (double)film->crop_height / film->crop_width;
     if (width <= 0) width = (int)fmax(1.0, floor(height / aspect + 0.5));
@@ -33,7 +33,7 @@ static void resize(struct satin_scene *scene, int width, int height) {
 
 // Replaces the scene's crop window by that of the options, after the film has got its size.
 static satin_status set_film(struct satin_scene *scene, const satin_options *o, struct log log) {
-    struct film_spec *film = &scene->film;
+    struct scene_film *film = &scene->film;
     const bool crop = o->crop_width > 0 && o->crop_height > 0;
     if (crop) {
         film->crop_x = film->crop_y = 0;
@@ -103,7 +103,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     // has for a path tracer would be wasteful for two passes.
     int scene_spp = gather_traces_paths(o) ? hints->spp : 0;
     // With negative weights a smooth image needs many samples too.
-    if (film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
+    if (scene_film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = RENDER_TIMED_SPP;
     r->first_pass.wanted = o->photons;
     r->first_pass.chosen_by_user = !options_quality_chooses_photons(o);

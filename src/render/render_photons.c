@@ -70,7 +70,7 @@ static satin_status build_again(struct render *r, struct stats before,
 }
 
 // The time of the steps that grow with the number of photons.
-static double photon_seconds(const struct stats *stats) {
+static double seconds_by_count(const struct stats *stats) {
     return stats_get(stats, "photons.trace_s") + stats_get(stats, "photons.build_s") +
            stats_get(stats, "photons.clusters_s") + stats_get(stats, "photons.precompute_s");
 }
@@ -126,7 +126,7 @@ satin_status render_photons(struct render *r) {
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow) return status;
     struct render_more_photons more =
-        render_budget_photons(r, render_agreed(r, photon_seconds(&r->stats)), starved(r, first));
+        render_budget_photons(r, render_agreed(r, seconds_by_count(&r->stats)), starved(r, first));
     if (more.global > 1.0) more.global = render_memory_grow(r, more.global);
     return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;
 }

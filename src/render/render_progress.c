@@ -24,7 +24,7 @@ static const struct stage_report {
 
 const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }
 
-static const struct render_steps course_steps[] = {
+static const struct course_steps steps_of[] = {
     [COURSE_TWO_PASS] = {SATIN_TWO_PASS, .photons = true, .tables = true, .records = true,
                          .interpolates = true},
     [COURSE_SHORT_PATHS] = {SATIN_TWO_PASS, .tables = true},
@@ -54,12 +54,12 @@ enum render_course render_first_course(const satin_options *options) {
 
 void render_take_course(struct render *r, enum render_course course) {
     r->progress.course = course;
-    r->second_pass.options.integrator = course_steps[course].integrator;
-    r->second_pass.shade.interpolates = course_steps[course].interpolates;
+    r->second_pass.options.integrator = steps_of[course].integrator;
+    r->second_pass.shade.interpolates = steps_of[course].interpolates;
 }
 
-const struct render_steps *render_steps(const struct render *r) {
-    return &course_steps[r->progress.course];
+const struct course_steps *render_steps(const struct render *r) {
+    return &steps_of[r->progress.course];
 }
 
 // A hundredth of a stage, and half a second, are the least by which its speed is known.
@@ -114,7 +114,7 @@ bool render_progress_report(struct render *r, double done) {
     if (render_cancelled(r)) return true;
     if (stats_wall() - r->progress.last_report >= REPORT_EVERY) {
         report_now(r, done);
-        render_snapshot(r);
+        render_snapshot_send(r);
     }
     return !render_cancelled(r);
 }

@@ -21,11 +21,11 @@ static double count_records(const struct render *r) {
 
 // Fills all levels at `width` times a; the loops are the range [done, done + span] of the stage. If
 // `covering`, the numbers of rays are chosen so that the image is covered in time.
-static satin_status fill_levels(struct record_rounds *rounds, struct render_widths width,
-                                bool covering, double done, double span) {
+static satin_status cover_levels(struct record_rounds *rounds, struct render_widths width,
+                                 bool covering, double done, double span) {
     struct render *r = rounds->r;
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
-    const uint32_t views = camera_count(&r->scene);
+    const uint32_t views = scene_camera_count(&r->scene);
     satin_status status = SATIN_OK;
     int stride = RENDER_COARSEST;
     for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK && render_steps(r)->records;
@@ -76,7 +76,7 @@ static void read_at(struct render *r, float irradiance, float radiance) {
 
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy of a
 // finished round.
-static satin_status fill_timed(struct record_rounds *rounds) {
+static satin_status cover_in_rounds(struct record_rounds *rounds) {
     struct render *r = rounds->r;
     satin_status status = SATIN_OK;
     struct render_widths finished = render_budget_round(&r->options, 0);
@@ -88,7 +88,7 @@ static satin_status fill_timed(struct record_rounds *rounds) {
         const struct render_widths width = render_budget_round(&r->options, i);
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
             fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(width.of[k]));
-        status = fill_levels(rounds, width, i == 0, (double)i / count, 1.0 / count);
+        status = cover_levels(rounds, width, i == 0, (double)i / count, 1.0 / count);
         if (!render_steps(r)->records || !render_time_remains(r)) break;
         finished = width;
         stats_set(&r->stats, "records.rounds", i + 1.0);
@@ -111,9 +111,9 @@ satin_status render_records(struct render *r) {
     bool whole;
     render_stage_begin(r, STAGE_RECORDS, 0.0);
     satin_status status = render_cache_load(r, &whole);
-    if (status == SATIN_OK && !whole && timed) status = fill_timed(&rounds);
+    if (status == SATIN_OK && !whole && timed) status = cover_in_rounds(&rounds);
     if (status == SATIN_OK && !whole && !timed)
-        status = fill_levels(&rounds, (struct render_widths){{1.0f, 1.0f}}, false, 0.0, 1.0);
+        status = cover_levels(&rounds, (struct render_widths){{1.0f, 1.0f}}, false, 0.0, 1.0);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);

@@ -89,7 +89,7 @@ satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *
     const size_t most = count < TRACED_PIXELS ? count : TRACED_PIXELS;
     struct site_search s = {
         .r = r, .shade = r->second_pass.shade, .view = view, .adaptive = adaptive};
-    s.shade.camera = camera_at(&r->scene, view);
+    s.shade.camera = scene_camera_at(&r->scene, view);
     s.found = array_new_unset(most * SITES_PER_PIXEL, sizeof *s.found);
     s.count = array_new(most, 1);
     s.first = array_new(most, sizeof *s.first);

@@ -144,7 +144,7 @@ static bool find_source(const struct render_snapshot *snapshot, const struct ren
 
 // Gives pixels that have no sample so far the values of a neighbour, in all channels but that of
 // the number of samples.
-static void fill_missing(struct render_snapshot *snapshot, const struct render_image *image) {
+static void complete_pixels(struct render_snapshot *snapshot, const struct render_image *image) {
     const struct satin_film *film = snapshot->film;
     const float *samples = snapshot->planes.of[CHANNEL_SAMPLES];
     if (!snapshot->missing) return;
@@ -160,7 +160,7 @@ static void fill_missing(struct render_snapshot *snapshot, const struct render_i
 
 // ---- When ---------------------------------------------------------------------------------------
 
-void render_snapshot(struct render *r) {
+void render_snapshot_send(struct render *r) {
     struct render_image *image = r->image;
     const double begin = stats_wall();
     if (!r->callbacks.snapshot || r->progress.stage != STAGE_IMAGE || render_cancelled(r)) return;
@@ -173,7 +173,7 @@ void render_snapshot(struct render *r) {
         return;
     }
     read_all_tiles(r->snapshot, image);
-    fill_missing(r->snapshot, image);
+    complete_pixels(r->snapshot, image);
     r->callbacks.snapshot(r->callbacks.snapshot_user, r->snapshot->film);
     const double end = stats_wall(), spent = end - begin;
     r->snapshot->next = end + render_budget_snapshot(spent, parallel_threads(r->pool));

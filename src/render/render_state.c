@@ -29,7 +29,7 @@ void render_free(struct render *r) {
     fill_free(r->second_pass.fill);
     cache_free(r->second_pass.cache);
     render_cache_free(r);
-    render_bounces_free(r);
+    render_recursive_bounces_free(r);
     cache_tables_free(&r->second_pass.tables);
     render_views_free(r);
     photon_maps_free(r->first_pass.maps);

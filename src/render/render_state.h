@@ -41,7 +41,7 @@ enum render_course {
 };
 
 // The steps of a course.
-struct render_steps {
+struct course_steps {
     satin_integrator integrator;  // by which the image is sampled
     bool photons, tables, records;
     bool passes;        // each pass of the image has new photons
@@ -177,7 +177,7 @@ enum render_course render_first_course(const satin_options *options);
 // Changes the course, and with it the integrator of the second pass and whether it reads records.
 void render_take_course(struct render *r, enum render_course course);
 // The steps of the render's present course; static storage.
-const struct render_steps *render_steps(const struct render *r);
+const struct course_steps *render_steps(const struct render *r);
 // Begins a stage of `items` units, ends the one before it and stores its seconds under its name.
 void render_stage_begin(struct render *r, enum render_stage stage, double items);
 // The name of a reported stage; static storage.
@@ -207,11 +207,11 @@ satin_status render_pass_photons(struct render *r);
 // If each pass has new photons, skips those of the passes that a restored image has.
 void render_skip_photons(struct render *r);
 
-// ---- render_bounces.c
+// ---- render_recursive_bounces.c
 // If the first pass is `recursive`, makes the records of the indirect bounces, which gather rays
 // then read.
-satin_status render_bounces(struct render *r);
-void render_bounces_free(struct render *r);
+satin_status render_recursive_bounces(struct render *r);
+void render_recursive_bounces_free(struct render *r);
 
 // ---- render_image_pilot.c
 // Samples a few pixels with the records so far; sets all members of *pace except its rays.
@@ -336,7 +336,7 @@ void render_image_film(struct render *r, bool *any);
 bool render_snapshot_memory(const struct render *r, struct render_image *image);
 // Passes a snapshot to the caller, if it is time to. Called on the calling thread when it is in the
 // middle of no sample.
-void render_snapshot(struct render *r);
+void render_snapshot_send(struct render *r);
 void render_snapshot_free(struct render_snapshot *snapshot);  // NULL is allowed
 
 // ---- render_metadata.c

@@ -88,7 +88,7 @@ LANES_INLINE lanes lanes_opposite(lanes v, indices p) { return _mm512_permutexva
 struct lanes_source {
     __m512 low, high;
 };
-LANES_INLINE struct lanes_source lanes_source(const float *in, int count) {
+LANES_INLINE struct lanes_source lanes_source_of(const float *in, int count) {
     unsigned mask = _bzhi_u32(~0u, (unsigned)count);
     return (struct lanes_source){_mm512_maskz_loadu_ps((__mmask16)mask, in),
                                  _mm512_maskz_loadu_ps((__mmask16)(mask >> 16), in + 16)};
@@ -219,7 +219,7 @@ struct lanes_source {
     const float *in;
     __m256i count;
 };
-LANES_INLINE struct lanes_source lanes_source(const float *in, int count) {
+LANES_INLINE struct lanes_source lanes_source_of(const float *in, int count) {
     return (struct lanes_source){in, _mm256_set1_epi32(count)};
 }
 LANES_INLINE __m256 gather8(struct lanes_source s, __m256i index) {

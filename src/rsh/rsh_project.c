@@ -175,7 +175,7 @@ PROJECT_SHAPE(three, 3, 0)
 PROJECT_SHAPE(three_more, 3, 1)
 #undef PROJECT_SHAPE
 
-INLINE void project_run(int order, int channels, int second, struct project_run *r, vf *sums) {
+INLINE void project_one_run(int order, int channels, int second, struct project_run *r, vf *sums) {
     if (channels == 1)
         sums = project_one(order, 0, second, r, sums);
     else
@@ -193,7 +193,7 @@ INLINE void project_channels(rsh_basis basis, int order, int channels, size_t co
     for (size_t first = 0; first < count; first += RUN * W) {
         struct project_run r;
         load_run(basis, channels, first, count, d, value, &r);
-        project_run(order, channels, second, &r, sums);
+        project_one_run(order, channels, second, &r, sums);
     }
     mix_sums(basis, order, channels, second, sums, out);
 }

@@ -132,7 +132,7 @@ INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
     struct multiple_angle gamma = lane_multiples(g, 0, angles->gamma);
     lanes even[LANES_BLOCK], odd[LANES_BLOCK];
     for (int c = 0; c < block; c++) {
-        struct lanes_source source = lanes_source(in + c * n, count);
+        struct lanes_source source = lanes_source_of(in + c * n, count);
         even[c] = lanes_gather(source, indices_load(g->even));
         odd[c] = lanes_gather(source, indices_load(g->odd));
         rotate_z(gamma, &even[c], &odd[c]);

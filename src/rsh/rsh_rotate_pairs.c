@@ -146,7 +146,7 @@ INLINE void rotate_pairs(const struct rsh_rotation *t, int group, int order, int
     struct spin spins[ANGLES];
     multiply(t, group, spins);
     for (int c = 0; c < channels; c++, in += n, out += n) {
-        const struct lanes_source source = lanes_source(in + FIRST(group), count);
+        const struct lanes_source source = lanes_source_of(in + FIRST(group), count);
         lanes v[MOST_VECTORS];
         for (int i = 0; i < VECTORS(group); i++)
             v[i] = lanes_gather(source, indices_load(g->lanes[i].index));

@@ -17,6 +17,7 @@
 #include "base/stats.h"
 #include "brdf/brdf.h"
 #include "satin/scene.h"
+#include "scene/scene_film_filter.h"
 #include "scene/scene_hints.h"
 #include "scene/scene_spectrum.h"
 
@@ -74,28 +75,28 @@ struct texture_lookup {
     vec2 bary;    // weights of the triangle's second and third corner
     float width;  // width of the area to average over, in uv; 0: a point
 };
-static inline struct texture_lookup texture_at(vec2 uv) {
+static inline struct texture_lookup scene_texture_at(vec2 uv) {
     return (struct texture_lookup){.uv = uv};
 }
 
-rgb texture_eval(const struct texture *texture, const struct texture_lookup *at);
+rgb scene_texture_eval(const struct texture *texture, const struct texture_lookup *at);
 // The value of a texture that gives a number: the luminance of an image, the mean of a colour. Here
 // a checkerboard begins with color1, because Mitsuba 3.9 exchanges its colours where it asks for a
 // number.
-float texture_number(const struct texture *texture, const struct texture_lookup *at);
+float scene_texture_number(const struct texture *texture, const struct texture_lookup *at);
 // The least and the largest number of the texture. False if they are unknown.
-bool texture_range(const struct texture *texture, float *lo, float *hi);
+bool scene_texture_range(const struct texture *texture, float *lo, float *hi);
 // The gradient of the texture's number with respect to u and v: that of a bitmap with bilinear
 // filter, 0 of other textures.
-vec2 texture_gradient(const struct texture *texture, vec2 uv);
+vec2 scene_texture_gradient(const struct texture *texture, vec2 uv);
 
 // The texture inside of all `scale` textures around it; NULL for NULL.
-static inline const struct texture *texture_unscaled(const struct texture *texture) {
+static inline const struct texture *scene_texture_unscaled(const struct texture *texture) {
     while (texture && texture->kind == TEXTURE_SCALED) texture = texture->check[0];
     return texture;
 }
 // The fraction of the plane that the lines of a grid cover.
-static inline float texture_lines(const struct texture *grid) {
+static inline float scene_texture_lines(const struct texture *grid) {
     const float between = fmaxf(1.0f - 2.0f * grid->scale, 0.0f);
     return 1.0f - between * between;
 }
@@ -111,7 +112,7 @@ struct material_bump {
     bool shadows;  // whether slopes shadow light at grazing angles
     bool outside;  // twosided around it: the back shows the front's bumps from below, else its own
 };
-static inline bool bump_used(const struct material_bump *bump) {
+static inline bool scene_bump_used(const struct material_bump *bump) {
     return bump->height || bump->normal;
 }
 
@@ -148,14 +149,15 @@ struct material {
 };
 
 // The fraction of rays that the surface stops there, in [0, 1] (scene_opacity.c).
-float material_opacity(const struct material *m, const struct texture_lookup *at);
+float scene_opacity_material(const struct material *m, const struct texture_lookup *at);
 // Calls fn for every side of m that is not a blend, and for those of the back if m is two-sided.
-void material_visit(const struct material *m,
-                    void (*fn)(void *ctx, const struct material_side *side), void *ctx);
+void scene_material_visit(const struct material *m,
+                          void (*fn)(void *ctx, const struct material_side *side), void *ctx);
 // Whether a side of m transmits light. Holes count only if `holes` is true.
-bool material_transmits(const struct material *m, bool holes);
-// The lobes of the models of all sides, a mask of brdf_lobe. Holes count as in material_transmits.
-unsigned material_lobes(const struct material *m, bool holes);
+bool scene_material_transmits(const struct material *m, bool holes);
+// The lobes of the models of all sides, a mask of brdf_lobe. Holes count as in
+// scene_material_transmits.
+unsigned scene_material_lobes(const struct material *m, bool holes);
 
 // ---- Shapes -------------------------------------------------------------------------------------
 
@@ -196,13 +198,13 @@ struct mesh {
     int attribute_count;
 };
 
-static inline vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
+static inline vec3 scene_mesh_vertex(const struct mesh *mesh, uint32_t i) {
     const float *p = mesh->position + 3 * (size_t)i;
     return v3(p[0], p[1], p[2]);
 }
 
 // The texture coordinates at the barycentric coordinates (b1, b2) of a triangle.
-static inline vec2 mesh_uv(const struct mesh *mesh, uint32_t triangle, vec2 bary) {
+static inline vec2 scene_mesh_uv(const struct mesh *mesh, uint32_t triangle, vec2 bary) {
     if (!mesh->uv) return bary;
     const uint32_t *index = mesh->index + 3 * (size_t)triangle;
     const float *a = mesh->uv + 2 * (size_t)index[0], *b = mesh->uv + 2 * (size_t)index[1],
@@ -250,11 +252,11 @@ void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi);
 void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi);
 
 // The mean of a texture that is an attribute, over the surface of the mesh.
-rgb attribute_mean(const struct mesh *mesh, const struct texture *texture);
+rgb scene_attribute_mean(const struct mesh *mesh, const struct texture *texture);
 // Whether the texture, or one nested in it, is an attribute of a mesh. False for NULL.
-bool attribute_used(const struct texture *texture);
+bool scene_attribute_used(const struct texture *texture);
 
-// ---- Camera and film ----------------------------------------------------------------------------
+// ---- Camera and scene ---------------------------------------------------------------------------
 
 struct camera {
     struct mat4 to_world;
@@ -264,18 +266,6 @@ struct camera {
     float aperture;  // lens radius; 0: pinhole
     float focus_distance;
     vec2 shift;  // principal point offset, in film widths and heights
-};
-
-enum filter_kind { FILTER_BOX = 0, FILTER_TENT, FILTER_GAUSSIAN, FILTER_CUBIC, FILTER_LANCZOS };
-
-struct film_spec {
-    int width, height;  // full film
-    int crop_x, crop_y, crop_width, crop_height;
-    enum filter_kind filter;
-    float radius, stddev;  // in pixels
-    float b, c;            // cubic: its parameters
-    bool alpha;            // whether the image has a channel of coverage
-    bool full_float;       // whether a file of the image has 32-bit floats in all channels
 };
 
 struct light;  // defined in folder light, as light_tree
@@ -307,7 +297,7 @@ struct satin_scene {
     // With SATIN_SCENE_ALL_SENSORS: the cameras of all sensors, whose films have one size.
     struct camera *sensor;
     uint32_t sensor_count;
-    struct film_spec film;
+    struct scene_film film;
     struct scene_hints hints;
     struct trace *trace;
     vec3 bounds_lo, bounds_hi;  // of all surfaces; equal for an empty scene
@@ -322,9 +312,9 @@ struct satin_scene {
 };
 
 // Whether a shape, which must not be an instance, has an ideal specular lobe.
-static inline bool shape_has_delta(const struct satin_scene *scene, uint32_t shape) {
+static inline bool scene_shape_has_delta(const struct satin_scene *scene, uint32_t shape) {
     const struct shape *s = &scene->shape[shape];
-    return material_lobes(&scene->material[s->material], s->light >= 0) & BRDF_DELTA;
+    return scene_material_lobes(&scene->material[s->material], s->light >= 0) & BRDF_DELTA;
 }
 
 // ---- Rays (scene_trace.c) -----------------------------------------------------------------------
@@ -388,8 +378,8 @@ struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d)
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq);
 
 // The point at which textures are looked up for the surface interaction s.
-static inline struct texture_lookup interaction_texture_lookup(const struct satin_scene *scene,
-                                                               const struct interaction *s) {
+static inline struct texture_lookup scene_interaction_texture_lookup(
+    const struct satin_scene *scene, const struct interaction *s) {
     const struct mesh *mesh = &scene->shape[s->shape].mesh;
     return (struct texture_lookup){s->uv, mesh->attribute_count ? mesh : NULL, s->prim, s->bary,
                                    s->footprint * s->uv_rate};
@@ -410,15 +400,15 @@ int scene_components(const struct satin_scene *scene, const struct interaction *
                      struct scene_component out[MATERIAL_COMPONENTS_MAX]);
 // One of the components, drawn with its weight as the probability. The draw depends on s and wo
 // alone.
-const struct material_side *scene_component(const struct satin_scene *scene,
-                                            const struct interaction *s, vec3 wo);
+const struct material_side *scene_draw_component(const struct satin_scene *scene,
+                                                 const struct interaction *s, vec3 wo);
 // The BRDF of a component, with its textures looked up, and the frame of its local directions. n of
 // that frame is on wo's side for a two-sided material, else that of the surface interaction,
 // rotated by bump and normal maps. False if the component reflects nothing.
 bool scene_component_brdf(const struct satin_scene *scene, const struct material_side *side,
                           const struct interaction *s, vec3 wo, struct brdf *brdf,
                           struct frame *frame);
-// Does what scene_component_brdf does, for the component that scene_component draws.
+// Does what scene_component_brdf does, for the component that scene_draw_component draws.
 bool scene_brdf(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
                 struct brdf *brdf, struct frame *frame);
 // The frame without bump and normal maps, on the side that scene_component_brdf uses.
@@ -442,59 +432,38 @@ struct shading_point {
 
 // Prepares the point at which a ray along d hits s. If the material is a blend, one component is
 // drawn.
-void shading_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
-                        struct shading_point *out);
+void scene_shading_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
+                              struct shading_point *out);
 // Prepares the point with a given component.
-void shading_point_of(const struct satin_scene *scene, const struct material_side *side,
-                      const struct interaction *s, vec3 d, struct shading_point *out);
+void scene_shading_point_of(const struct satin_scene *scene, const struct material_side *side,
+                            const struct interaction *s, vec3 d, struct shading_point *out);
 
 // ---- Camera (scene_camera.c) --------------------------------------------------------------------
 
 // The number of the scene's cameras, at least 1, and the camera of that index.
-static inline uint32_t camera_count(const struct satin_scene *scene) {
+static inline uint32_t scene_camera_count(const struct satin_scene *scene) {
     return scene->view ? scene->view_count : 1;
 }
-static inline const struct camera *camera_at(const struct satin_scene *scene, uint32_t index) {
+static inline const struct camera *scene_camera_at(const struct satin_scene *scene,
+                                                   uint32_t index) {
     return scene->view ? &scene->view[index] : &scene->camera;
 }
 // The camera of sample i of the scene's cameras: successive samples are distributed evenly to all
 // of them, by the golden ratio.
-static inline const struct camera *camera_sample(const struct satin_scene *scene, uint32_t i) {
-    return camera_at(scene, (uint32_t)((uint64_t)(i * 0x9e3779b9u) * camera_count(scene) >> 32));
+static inline const struct camera *scene_camera_sample(const struct satin_scene *scene,
+                                                       uint32_t i) {
+    return scene_camera_at(
+        scene, (uint32_t)((uint64_t)(i * 0x9e3779b9u) * scene_camera_count(scene) >> 32));
 }
 // The eye ray of one of the cameras through film position (x, y), in pixels of the full film with y
 // down. (u, v) in [0, 1)^2 choose the point on the lens. *spread is the ray's width over distance:
 // the footprint of a pixel at distance t is t * spread wide.
-struct ray camera_ray(const struct satin_scene *scene, const struct camera *camera, vec2 film,
-                      vec2 lens, float *spread);
+struct ray scene_camera_ray(const struct satin_scene *scene, const struct camera *camera, vec2 film,
+                            vec2 lens, float *spread);
 // Logs a warning, with its reason, if the camera sees no shape, and returns whether it did. There
 // is no warning if the environment is visible, unless it is only the clip planes that hide all
 // shapes (scene_camera_check.c).
-bool camera_check(const struct satin_scene *scene, const struct camera *camera, struct log log);
-
-// ---- Filter (scene_film_filter.c) ---------------------------------------------------------------
-
-// Draws an offset from a pixel's centre by u from a film filter without negative lobes, truncated
-// so that the position stays inside [lo, hi), the crop window. At the border that equals a
-// renormalised filter.
-float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u);
-
-// film_filter_sample by tables, for every filter. A sample counts `weight` times. That is 1 for a
-// filter without negative lobes; otherwise it is 1 on average and negative in the lobes.
-enum { FILM_FILTER_STEPS = 1024 };
-struct film_filter {
-    const struct film_spec *film;
-    float inverse[FILM_FILTER_STEPS + 2];  // offset at u = i / FILM_FILTER_STEPS
-    // With negative lobes: the integrals from the left end of the filter and of its absolute value.
-    float sum[FILM_FILTER_STEPS + 1], size[FILM_FILTER_STEPS + 1];
-};
-struct film_offset {
-    float x, weight;
-};
-// Whether the filter has negative values.
-bool film_filter_has_lobes(const struct film_spec *film);
-void film_filter_make(const struct film_spec *film, struct film_filter *out);
-struct film_offset film_filter_offset(const struct film_filter *filter, float centre, float lo,
-                                      float hi, float u);
+bool scene_camera_check(const struct satin_scene *scene, const struct camera *camera,
+                        struct log log);
 
 #endif

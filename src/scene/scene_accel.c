@@ -21,8 +21,8 @@ static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
     if (distance > guard->error.most) return true;
     double n2 = v3_len2(n), by_area = guard->error.by_area;
     if (distance * distance > by_area * by_area * n2 * sqrt(n2)) return true;
-    return interaction_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
-                               ray->tnear, end);
+    return scene_interaction_crosses(guard->mesh, hit->primID,
+                                     v3(ray->org_x, ray->org_y, ray->org_z), d, ray->tnear, end);
 }
 
 static vec3 ray_origin(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
@@ -34,10 +34,10 @@ static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
                        const struct RTCHit *hit) {
     const struct mesh *mesh = guard->mesh;
     const vec2 bary = {hit->u, hit->v};
-    const struct texture_lookup at = {mesh_uv(mesh, hit->primID, bary), mesh, hit->primID, bary,
-                                      0.0f};
+    const struct texture_lookup at = {scene_mesh_uv(mesh, hit->primID, bary), mesh, hit->primID,
+                                      bary, 0.0f};
     struct ray same = {.o = ray_origin(ray), .d = direction_of(ray)};
-    return opacity_stops(guard->mask, &at, &same, hit->primID, ray->id != 0);
+    return scene_opacity_stops(guard->mask, &at, &same, hit->primID, ray->id != 0);
 }
 
 static void mesh_hit(const struct RTCFilterFunctionNArguments *args, float end) {
@@ -70,7 +70,7 @@ static void curve_any(const struct RTCFilterFunctionNArguments *args) {
 static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
     const struct accel *accel = args->geometryUserPtr;
     vec3 lo, hi;
-    quadric_bounds(&accel->quadric[args->primID], &lo, &hi);
+    scene_quadric_bounds(&accel->quadric[args->primID], &lo, &hi);
     args->bounds_o->lower_x = lo.x;
     args->bounds_o->lower_y = lo.y;
     args->bounds_o->lower_z = lo.z;
@@ -83,13 +83,13 @@ static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float
     const vec3 o = ray_origin(ray), d = direction_of(ray);
     float near = ray->tnear;
     for (int crossing = 0; crossing < 2; crossing++) {
-        if (!quadric_intersect(q, o, d, near, ray->tfar, t)) return false;
+        if (!scene_quadric_intersect(q, o, d, near, ray->tfar, t)) return false;
         if (!q->mask) return true;
         struct interaction s;
         struct ray same = {.o = o, .d = d};
-        quadric_interaction(q, &same, *t, false, &s);
-        struct texture_lookup at = texture_at(s.uv);
-        if (opacity_stops(q->mask, &at, &same, q->shape + (uint32_t)crossing, ray->id != 0))
+        scene_quadric_interaction(q, &same, *t, false, &s);
+        struct texture_lookup at = scene_texture_at(s.uv);
+        if (scene_opacity_stops(q->mask, &at, &same, q->shape + (uint32_t)crossing, ray->id != 0))
             return true;
         near = nextafterf(*t, INFINITY);  // t was rounded
     }
@@ -117,7 +117,7 @@ static void quadric_any(const struct RTCOccludedFunctionNArguments *args) {
 
 // ---- Building -----------------------------------------------------------------------------------
 
-satin_status accel_status(RTCDevice device, struct log log) {
+satin_status scene_accel_status(RTCDevice device, struct log log) {
     switch (rtcGetDeviceError(device)) {
         case RTC_ERROR_NONE:
             return SATIN_OK;
@@ -144,7 +144,7 @@ static void attach_mesh(RTCDevice device, struct accel *accel, const struct mesh
                                mesh->position, 0, 3 * sizeof(float), mesh->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
                                3 * sizeof(uint32_t), mesh->triangle_count);
-    accel->guard[id] = (struct guard){mesh, mask, interaction_error(mesh)};
+    accel->guard[id] = (struct guard){mesh, mask, scene_interaction_error(mesh)};
     rtcSetGeometryUserData(geometry, &accel->guard[id]);
     rtcSetGeometryIntersectFilterFunction(geometry, mesh_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, mesh_any);
@@ -195,7 +195,7 @@ static void attach_instance(RTCDevice device, struct accel *accel, const struct 
 static bool *find_hidden(const struct satin_scene *scene, uint32_t first, uint32_t count,
                          uint32_t group, struct accel *accel) {
     bool *hidden = array_new((size_t)count + 1, sizeof *hidden);
-    if (!hidden || coincide_find(scene, first, count, group, hidden, &accel->hidden_count)) {
+    if (!hidden || scene_coincide_find(scene, first, count, group, hidden, &accel->hidden_count)) {
         for (uint32_t i = count; hidden && i-- > 0;)
             if (hidden[i]) accel->hidden_first = first + i;
         return hidden;
@@ -217,8 +217,8 @@ static satin_status sort_shapes(const struct satin_scene *scene, uint32_t first,
             if (shape->mesh.triangle_count) accel->geometry_shape[n++] = i;
         } else if (shape->kind == SHAPE_CURVES) {
             accel->geometry_shape[n++] = i;
-        } else if (quadric_make(shape, i, &accel->quadric[accel->quadric_count])) {
-            accel->quadric[accel->quadric_count++].mask = opacity_of(scene, shape);
+        } else if (scene_quadric_make(shape, i, &accel->quadric[accel->quadric_count])) {
+            accel->quadric[accel->quadric_count++].mask = scene_opacity_of(scene, shape);
         } else {
             return log_fail(log, SATIN_ERROR_INPUT, "shape '%s' has a degenerate transform",
                             shape->name ? shape->name : "?");
@@ -249,13 +249,13 @@ static satin_status attach_all(const struct satin_scene *scene, uint32_t first, 
     return status;
 }
 
-satin_status accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
-                         uint32_t count, uint32_t group, const struct accel *groups, struct log log,
-                         struct accel *accel) {
+satin_status scene_accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
+                               uint32_t count, uint32_t group, const struct accel *groups,
+                               struct log log, struct accel *accel) {
     satin_status status = attach_all(scene, first, count, group, log, accel);
     if (status != SATIN_OK) return status;
     accel->scene = rtcNewScene(device);
-    if (!accel->scene) return accel_status(device, log);
+    if (!accel->scene) return scene_accel_status(device, log);
     rtcSetSceneBuildQuality(accel->scene, RTC_BUILD_QUALITY_MEDIUM);
     rtcSetSceneFlags(accel->scene, RTC_SCENE_FLAG_ROBUST);
     for (uint32_t id = 0; id < accel->geometry_count; id++) {
@@ -264,18 +264,18 @@ satin_status accel_build(RTCDevice device, const struct satin_scene *scene, uint
         if (shape->kind == SHAPE_CURVES)
             attach_curves(device, accel, &shape->curves, id);
         else if (id < accel->quadric_id)
-            attach_mesh(device, accel, &shape->mesh, opacity_of(scene, shape), id);
+            attach_mesh(device, accel, &shape->mesh, scene_opacity_of(scene, shape), id);
         else
             attach_instance(device, accel, shape, &groups[shape->instance_of], id);
     }
     if (accel->quadric_count) attach_quadrics(device, accel);
-    status = accel_status(device, log);
+    status = scene_accel_status(device, log);
     if (status != SATIN_OK) return status;
     rtcCommitScene(accel->scene);
-    return accel_status(device, log);
+    return scene_accel_status(device, log);
 }
 
-void accel_free(struct accel *accel) {
+void scene_accel_free(struct accel *accel) {
     if (accel->scene) rtcReleaseScene(accel->scene);
     free(accel->geometry_shape);
     free(accel->guard);

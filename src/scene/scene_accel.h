@@ -29,12 +29,12 @@ struct accel {
 // Builds a structure over those of shapes `first` to `first + count - 1` that belong to `group` (0:
 // to none). The structures of the groups that have instances in it must be built before. On failure
 // *accel must be freed too.
-satin_status accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
-                         uint32_t count, uint32_t group, const struct accel *groups, struct log log,
-                         struct accel *accel);
-void accel_free(struct accel *accel);
+satin_status scene_accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
+                               uint32_t count, uint32_t group, const struct accel *groups,
+                               struct log log, struct accel *accel);
+void scene_accel_free(struct accel *accel);
 
 // Converts Embree's error to a status, and logs it.
-satin_status accel_status(RTCDevice device, struct log log);
+satin_status scene_accel_status(RTCDevice device, struct log log);
 
 #endif

@@ -9,7 +9,7 @@ static rgb attribute_value(const struct mesh_attribute *a, uint32_t item) {
     return a->channels == 1 ? rgb_grey(v[0]) : rgb_make(v[0], v[1], v[2]);
 }
 
-rgb attribute_eval(const char *name, const struct texture_lookup *at) {
+rgb scene_attribute_eval(const char *name, const struct texture_lookup *at) {
     for (int i = 0; at->mesh && i < at->mesh->attribute_count; i++) {
         const struct mesh_attribute *a = &at->mesh->attribute[i];
         if (a->name != name) continue;
@@ -35,7 +35,7 @@ static rgb mesh_attribute_mean(const struct mesh *mesh, const char *name) {
                                        v3_sub(corner_position_of(mesh, t, 2), a)));
         struct texture_lookup middle = {
             .mesh = mesh, .prim = t, .bary = {1.0f / 3.0f, 1.0f / 3.0f}};
-        rgb c = attribute_eval(name, &middle);
+        rgb c = scene_attribute_eval(name, &middle);
         sum[0] += (double)(n * c.r), sum[1] += (double)(n * c.g), sum[2] += (double)(n * c.b);
         area += (double)n;
     }
@@ -43,25 +43,25 @@ static rgb mesh_attribute_mean(const struct mesh *mesh, const char *name) {
     return rgb_make((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
 }
 
-rgb attribute_mean(const struct mesh *mesh, const struct texture *texture) {
+rgb scene_attribute_mean(const struct mesh *mesh, const struct texture *texture) {
     if (texture->kind == TEXTURE_SCALED)
-        return rgb_mul(attribute_mean(mesh, texture->check[0]), texture->value);
+        return rgb_mul(scene_attribute_mean(mesh, texture->check[0]), texture->value);
     if (texture->kind == TEXTURE_GRID) {
-        const rgb between = attribute_mean(mesh, texture->check[0]);
-        const rgb line = attribute_mean(mesh, texture->check[1]);
-        return rgb_mad(rgb_scale(between, 1.0f - texture_lines(texture)), line,
-                       texture_lines(texture));
+        const rgb between = scene_attribute_mean(mesh, texture->check[0]);
+        const rgb line = scene_attribute_mean(mesh, texture->check[1]);
+        return rgb_mad(rgb_scale(between, 1.0f - scene_texture_lines(texture)), line,
+                       scene_texture_lines(texture));
     }
     if (texture->kind == TEXTURE_CHECKERBOARD)
-        return rgb_scale(rgb_add(attribute_mean(mesh, texture->check[0]),
-                                 attribute_mean(mesh, texture->check[1])),
+        return rgb_scale(rgb_add(scene_attribute_mean(mesh, texture->check[0]),
+                                 scene_attribute_mean(mesh, texture->check[1])),
                          0.5f);
     if (texture->kind != TEXTURE_ATTRIBUTE) return texture->mean;
     return rgb_scale(mesh_attribute_mean(mesh, texture->attribute), texture->scale);
 }
 
-bool attribute_used(const struct texture *texture) {
+bool scene_attribute_used(const struct texture *texture) {
     if (!texture) return false;
-    return texture->kind == TEXTURE_ATTRIBUTE || attribute_used(texture->check[0]) ||
-           attribute_used(texture->check[1]);
+    return texture->kind == TEXTURE_ATTRIBUTE || scene_attribute_used(texture->check[0]) ||
+           scene_attribute_used(texture->check[1]);
 }

@@ -7,5 +7,5 @@
 
 // The value at a lookup of the attribute whose name is the same pointer; black if the mesh has
 // none.
-rgb attribute_eval(const char *name, const struct texture_lookup *at);
+rgb scene_attribute_eval(const char *name, const struct texture_lookup *at);
 #endif

@@ -16,8 +16,8 @@ static struct ray parallel_ray(const struct satin_scene *scene, const struct cam
     return (struct ray){o, 0.0f, d, camera->far_clip - camera->near_clip};
 }
 
-struct ray camera_ray(const struct satin_scene *scene, const struct camera *camera, vec2 film,
-                      vec2 lens, float *spread) {
+struct ray scene_camera_ray(const struct satin_scene *scene, const struct camera *camera, vec2 film,
+                            vec2 lens, float *spread) {
     const int columns = scene->film.width, rows = scene->film.height;
     // The film position on the plane z = 1, where x points left and y up.
     float s = film.x / (float)columns + camera->shift.x;

@@ -16,13 +16,13 @@ struct camera_look {
 
 static struct camera_look probe_scene(const struct satin_scene *scene,
                                       const struct camera *camera) {
-    const struct film_spec *film = &scene->film;
+    const struct scene_film *film = &scene->film;
     struct camera_look out = {.first = INFINITY};
     for (uint32_t i = 0; i < RAYS && !out.seen; i++) {
         const vec2 at = sample_sobol2(i, 0);
         const vec2 pixel = {(float)film->crop_x + at.x * (float)film->crop_width,
                             (float)film->crop_y + at.y * (float)film->crop_height};
-        struct ray ray = camera_ray(scene, camera, pixel, (vec2){0.5f, 0.5f}, NULL);
+        struct ray ray = scene_camera_ray(scene, camera, pixel, (vec2){0.5f, 0.5f}, NULL);
         out.seen = scene_occluded(scene, &ray);
         // Depth per distance along the ray, and depth of the ray's origin.
         float rate = camera->near_clip / ray.tnear, start = 0.0f;
@@ -62,7 +62,8 @@ static bool check_shapes(const struct satin_scene *scene, struct log log) {
     return empty || dark;
 }
 
-bool camera_check(const struct satin_scene *scene, const struct camera *camera, struct log log) {
+bool scene_camera_check(const struct satin_scene *scene, const struct camera *camera,
+                        struct log log) {
     const bool warned = check_shapes(scene, log);
     if (scene->shape_count == 0) return warned;
     const struct camera_look l = probe_scene(scene, camera);

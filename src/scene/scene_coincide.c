@@ -88,8 +88,8 @@ static int by_hash(const void *a, const void *b) {
     return x->shape < y->shape ? -1 : x->shape > y->shape;
 }
 
-bool coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t count, uint32_t group,
-                   bool *hidden, uint32_t *found) {
+bool scene_coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t count,
+                         uint32_t group, bool *hidden, uint32_t *found) {
     *found = 0;
     memset(hidden, 0, count * sizeof *hidden);
     if (count < 2) return true;
@@ -99,7 +99,7 @@ bool coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t cou
     for (uint32_t i = first; i < first + count; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->group != group) continue;
-        if (shape->kind != SHAPE_INSTANCE && opacity_of(scene, shape)) continue;
+        if (shape->kind != SHAPE_INSTANCE && scene_opacity_of(scene, shape)) continue;
         const struct geometry g = geometry_of(shape);
         key[n++] = (struct keyed_shape){hash_of(&g), shape->light < 0, i};
     }

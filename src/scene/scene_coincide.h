@@ -12,7 +12,7 @@
 // pass is not hidden and hides nothing, except for instances, which let the same rays pass. The
 // time is proportional to the size of the geometry, plus n log n for n shapes. False if there is no
 // memory.
-bool coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t count, uint32_t group,
-                   bool *hidden, uint32_t *found);
+bool scene_coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t count,
+                         uint32_t group, bool *hidden, uint32_t *found);
 
 #endif

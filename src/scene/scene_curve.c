@@ -40,8 +40,8 @@ static int basis(bool linear, float u, float w[4], float d[4]) {
     return 4;
 }
 
-void curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
-                       struct interaction *out) {
+void scene_curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
+                             struct interaction *out) {
     const float *point = curves->point + (size_t)curves->first[hit->segment] * 4;
     float w[4], d[4], radius = 0.0f;
     int count = basis(curves->linear, hit->u, w, d);

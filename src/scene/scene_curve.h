@@ -15,7 +15,7 @@ struct curve_hit {
 };
 // Fills p, ng, frame, uv, dp_du and dp_dv. The point is moved a little outwards off the tube,
 // because the errors of traced tubes grow with their radius.
-void curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
-                       struct interaction *out);
+void scene_curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
+                             struct interaction *out);
 
 #endif

@@ -17,15 +17,15 @@ typedef struct RTCRayQueryContext embree_context;
 typedef struct RTCIntersectContext embree_context;
 #endif
 
-// Data for the callbacks of embree_occluded, behind the context in their arguments. In a callback,
-// tfar of the ray is the distance of the hit that is tested.
+// Data for the callbacks of scene_embree_occluded, behind the context in their arguments. In a
+// callback, tfar of the ray is the distance of the hit that is tested.
 struct embree_occlusion {
     embree_context context;
     float end;  // tfar of the ray
 };
 
 // Finds the nearest hit; hit.geomID stays invalid without one.
-static inline void embree_intersect(RTCScene scene, struct RTCRayHit *ray_hit) {
+static inline void scene_embree_intersect(RTCScene scene, struct RTCRayHit *ray_hit) {
 #if SATIN_EMBREE == 4
     rtcIntersect1(scene, ray_hit, NULL);
 #else
@@ -36,7 +36,7 @@ static inline void embree_intersect(RTCScene scene, struct RTCRayHit *ray_hit) {
 }
 
 // Whether anything is hit. The ray is overwritten.
-static inline bool embree_occluded(RTCScene scene, struct RTCRay *ray) {
+static inline bool scene_embree_occluded(RTCScene scene, struct RTCRay *ray) {
     struct embree_occlusion query = {.end = ray->tfar};
 #if SATIN_EMBREE == 4
     struct RTCOccludedArguments arguments;

@@ -9,7 +9,7 @@
 // ---- Filters that are nowhere negative ----------------------------------------------------------
 
 // The filter's integral from -radius to x, and below its value, both up to the same factor.
-static double filter_integral(const struct film_spec *film, double x) {
+static double filter_integral(const struct scene_film *film, double x) {
     double r = (double)film->radius, sigma = (double)film->stddev;
     switch (film->filter) {
         case FILTER_TENT:
@@ -24,7 +24,7 @@ static double filter_integral(const struct film_spec *film, double x) {
     }
 }
 
-static double filter_value(const struct film_spec *film, double x) {
+static double filter_value(const struct scene_film *film, double x) {
     double r = (double)film->radius, sigma = (double)film->stddev;
     switch (film->filter) {
         case FILTER_TENT:
@@ -42,7 +42,8 @@ static float clamp_offset(float centre, float lo, float hi, float offset) {
     return centre + offset < lo ? lo - centre : offset;
 }
 
-float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u) {
+float scene_film_filter_sample(const struct scene_film *film, float centre, float lo, float hi,
+                               float u) {
     double r = (double)film->radius;
     double a = fmax(-r, (double)lo - (double)centre), b = fmin(r, (double)hi - (double)centre);
     if (!(a < b)) return 0.0f;
@@ -67,7 +68,7 @@ float film_filter_sample(const struct film_spec *film, float centre, float lo, f
 
 // ---- Filters with negative lobes ----------------------------------------------------------------
 
-bool film_filter_has_lobes(const struct film_spec *film) {
+bool scene_film_filter_has_lobes(const struct scene_film *film) {
     return film->filter == FILTER_CUBIC || film->filter == FILTER_LANCZOS;
 }
 
@@ -84,14 +85,14 @@ static double cubic(double b, double c, double x) {
 
 static double sinc(double x) { return x == 0.0 ? 1.0 : sin(M_PI * x) / (M_PI * x); }
 
-static double lobes_value(const struct film_spec *film, double x) {
+static double lobes_value(const struct scene_film *film, double x) {
     x = fabs(x);
     if (film->filter == FILTER_CUBIC) return cubic((double)film->b, (double)film->c, x);
     return x < (double)film->radius ? sinc(x) * sinc(x / (double)film->radius) : 0.0;
 }
 
 // Tabulates the integrals of the filter and of its absolute value.
-static void make_lobes(struct film_filter *filter) {
+static void make_lobes(struct scene_film_filter *filter) {
     enum { FINE = 8 };  // points per step
     const double r = (double)filter->film->radius, step = 2.0 * r / FILM_FILTER_STEPS;
     double sum = 0.0, size = 0.0;
@@ -126,41 +127,42 @@ static float table_find(const float table[FILM_FILTER_STEPS + 1], float value) {
     return (float)low + (rise > 0.0f ? clampf((value - table[low]) / rise, 0.0f, 1.0f) : 0.5f);
 }
 
-static struct film_offset draw_lobes(const struct film_filter *filter, float centre, float lo,
-                                     float hi, float u) {
+static struct scene_film_offset draw_lobes(const struct scene_film_filter *filter, float centre,
+                                           float lo, float hi, float u) {
     const float r = filter->film->radius, scale = FILM_FILTER_STEPS / (2.0f * r);
     float a = clampf((lo - centre + r) * scale, 0.0f, (float)FILM_FILTER_STEPS);
     float b = clampf((hi - centre + r) * scale, 0.0f, (float)FILM_FILTER_STEPS);
     float from = table_at(filter->size, a), size = table_at(filter->size, b) - from;
     float sum = table_at(filter->sum, b) - table_at(filter->sum, a);
-    if (!(sum > 0.0f)) return (struct film_offset){0.0f, 1.0f};
+    if (!(sum > 0.0f)) return (struct scene_film_offset){0.0f, 1.0f};
     float offset = table_find(filter->size, from + u * size) / scale - r;
     float weight = lobes_value(filter->film, (double)offset) < 0.0 ? -size / sum : size / sum;
-    return (struct film_offset){clamp_offset(centre, lo, hi, offset), weight};
+    return (struct scene_film_offset){clamp_offset(centre, lo, hi, offset), weight};
 }
 
 // ---- Any filter ---------------------------------------------------------------------------------
 
-void film_filter_make(const struct film_spec *film, struct film_filter *out) {
+void scene_film_filter_make(const struct scene_film *film, struct scene_film_filter *out) {
     out->film = film;
-    if (film_filter_has_lobes(film)) {
+    if (scene_film_filter_has_lobes(film)) {
         make_lobes(out);
         return;
     }
     for (int i = 0; i <= FILM_FILTER_STEPS; i++)
-        out->inverse[i] = film_filter_sample(film, 0.0f, -INFINITY, INFINITY,
-                                             (float)i / (float)FILM_FILTER_STEPS);
+        out->inverse[i] = scene_film_filter_sample(film, 0.0f, -INFINITY, INFINITY,
+                                                   (float)i / (float)FILM_FILTER_STEPS);
     out->inverse[FILM_FILTER_STEPS + 1] = out->inverse[FILM_FILTER_STEPS];
 }
 
-struct film_offset film_filter_offset(const struct film_filter *filter, float centre, float lo,
-                                      float hi, float u) {
-    if (film_filter_has_lobes(filter->film)) return draw_lobes(filter, centre, lo, hi, u);
+struct scene_film_offset scene_film_filter_offset(const struct scene_film_filter *filter,
+                                                  float centre, float lo, float hi, float u) {
+    if (scene_film_filter_has_lobes(filter->film)) return draw_lobes(filter, centre, lo, hi, u);
     float r = filter->film->radius;
     if (centre - r < lo || centre + r >= hi)
-        return (struct film_offset){film_filter_sample(filter->film, centre, lo, hi, u), 1.0f};
+        return (struct scene_film_offset){scene_film_filter_sample(filter->film, centre, lo, hi, u),
+                                          1.0f};
     float at = u * (float)FILM_FILTER_STEPS;
     int i = (int)at;
-    return (struct film_offset){lerpf(filter->inverse[i], filter->inverse[i + 1], at - (float)i),
-                                1.0f};
+    return (struct scene_film_offset){
+        lerpf(filter->inverse[i], filter->inverse[i + 1], at - (float)i), 1.0f};
 }

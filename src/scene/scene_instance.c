@@ -12,7 +12,7 @@ static float longest_column(const struct mat4 *m) {
     return sqrtf(l2);
 }
 
-void instance_bound(struct shape *shape, vec3 lo, vec3 hi) {
+void scene_instance_bound(struct shape *shape, vec3 lo, vec3 hi) {
     shape->lo = v3(INFINITY, INFINITY, INFINITY);
     shape->hi = v3_neg(shape->lo);
     for (int i = 0; i < 8; i++) {
@@ -27,17 +27,17 @@ void instance_bound(struct shape *shape, vec3 lo, vec3 hi) {
     shape->radius = longest_column(&shape->to_world) * extent;
 }
 
-struct ray instance_ray(const struct shape *shape, const struct ray *ray) {
+struct ray scene_instance_ray(const struct shape *shape, const struct ray *ray) {
     return (struct ray){mat4_point(&shape->to_object, ray->o), ray->tnear,
                         mat4_vector(&shape->to_object, ray->d), ray->tfar};
 }
 
-float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p) {
-    return 4.0f * interaction_offset(scene, p) * longest_column(&shape->to_object);
+float scene_instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p) {
+    return 4.0f * scene_interaction_offset(scene, p) * longest_column(&shape->to_object);
 }
 
-void instance_to_world(const struct shape *shape, bool tangent, bool partials,
-                       struct interaction *s) {
+void scene_instance_to_world(const struct shape *shape, bool tangent, bool partials,
+                             struct interaction *s) {
     vec3 u = mat4_vector(&shape->to_world, s->frame.u);
     if (partials) {
         s->dp_du = mat4_vector(&shape->to_world, s->dp_du);

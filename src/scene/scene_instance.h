@@ -7,16 +7,16 @@
 
 // Sets an instance's bounds, and its contribution to the scene's epsilon, from the bounds of its
 // group.
-void instance_bound(struct shape *shape, vec3 lo, vec3 hi);
+void scene_instance_bound(struct shape *shape, vec3 lo, vec3 hi);
 
 // Transforms a world ray to the group's space. Distances stay the same, so the direction is not
 // unit.
-struct ray instance_ray(const struct shape *shape, const struct ray *ray);
+struct ray scene_instance_ray(const struct shape *shape, const struct ray *ray);
 // The least distance from the edges of its triangle for a hit at p (world), in the group's space.
-float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p);
+float scene_instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p);
 // Transforms a surface interaction from the group's space to the world, including dp_du and dp_dv
 // if `partials`. Its frame follows dp/du if `tangent`.
-void instance_to_world(const struct shape *shape, bool tangent, bool partials,
-                       struct interaction *s);
+void scene_instance_to_world(const struct shape *shape, bool tangent, bool partials,
+                             struct interaction *s);
 
 #endif

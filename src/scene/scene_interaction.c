@@ -6,7 +6,8 @@
 //   plane.
 // - scene_spawn moves the origin off the surface by a few ulp of the position, which is more than
 //   that half ulp.
-// - The filter of scene_accel.c tests a hit by interaction_crosses, in double, if it is nearer than
+// - The filter of scene_accel.c tests a hit by scene_interaction_crosses, in double, if it is
+// nearer than
 //   the float intersector can resolve on a large or thin triangle. It does the same for a hit near
 //   the end of a ray that ends on a surface.
 // Light leaks at edges are prevented by moving hits a few ulp into their triangle: next to an edge,
@@ -38,8 +39,8 @@ static double dot3(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-bool interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
-                         float tfar) {
+bool scene_interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
+                               float tfar) {
     struct surface_triangle t;
     surface_triangle_get(mesh, prim, &t);
     const double to[3] = {t.p[0][0] - o.x, t.p[0][1] - o.y, t.p[0][2] - o.z};
@@ -48,7 +49,7 @@ bool interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d,
     return at > tnear && at < tfar;
 }
 
-struct interaction_error interaction_error(const struct mesh *mesh) {
+struct interaction_error scene_interaction_error(const struct mesh *mesh) {
     const double ulps = 64.0 * 0x1p-24;
     double edge2 = 0.0, aspect = 0.0;  // largest edge^2; largest edge^2 / |n|
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
@@ -124,15 +125,16 @@ static vec3 blend_normals(const float *normal, const uint32_t *index, const doub
               b0 * p[2] + b1 * q[2] + b2 * r[2]);
 }
 
-void interaction_triangle(const struct satin_scene *scene, const struct shape *shape,
-                          const struct interaction_hit *hit, struct interaction *out) {
+void scene_interaction_triangle(const struct satin_scene *scene, const struct shape *shape,
+                                const struct interaction_hit *hit, struct interaction *out) {
     const struct mesh *mesh = &shape->mesh;
     const uint32_t *index = mesh->index + (size_t)hit->prim * 3;
     struct surface_triangle t;
     surface_triangle_get(mesh, hit->prim, &t);
     double b[3] = {1.0 - (double)hit->u - (double)hit->v, hit->u, hit->v};
     out->p = blend_corners(&t, b);
-    double margin = hit->margin > 0.0f ? hit->margin : 4.0 * interaction_offset(scene, out->p);
+    double margin =
+        hit->margin > 0.0f ? hit->margin : 4.0 * scene_interaction_offset(scene, out->p);
     if (pull_inside(&t, margin, b)) out->p = blend_corners(&t, b);
 
     double s = (shape->flip_normals ? -1.0 : 1.0) / sqrt(dot3(t.n, t.n));
@@ -179,14 +181,15 @@ static vec3 leave_surface(vec3 p, vec3 ng, vec3 d, float offset) {
 }
 
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d) {
-    return (struct ray){leave_surface(p, ng, d, interaction_offset(scene, p)), 0.0f, d, INFINITY};
+    return (struct ray){leave_surface(p, ng, d, scene_interaction_offset(scene, p)), 0.0f, d,
+                        INFINITY};
 }
 
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq) {
     vec3 d = v3_sub(q, p);
     // At the far end the rounding of the direction counts too, in proportion to the distance.
-    float end_offset = fmaxf(interaction_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
-    vec3 o = leave_surface(p, ng, d, interaction_offset(scene, p));
+    float end_offset = fmaxf(scene_interaction_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
+    vec3 o = leave_surface(p, ng, d, scene_interaction_offset(scene, p));
     vec3 end = leave_surface(q, nq, v3_neg(d), end_offset);
     d = v3_sub(end, o);
     float distance = v3_len(d);

@@ -9,7 +9,7 @@
 // float position and its surface. It is relative to p, so that it is valid in scenes of any size.
 // The scene's epsilon covers the rounding of double where p is near the origin, and that of rays
 // transformed to an instance's space.
-static inline float interaction_offset(const struct satin_scene *scene, vec3 p) {
+static inline float scene_interaction_offset(const struct satin_scene *scene, vec3 p) {
     const float ulps = 8.0f * 0x1p-24f;
     return ulps * (v3_max_abs(p) + scene->epsilon);
 }
@@ -24,12 +24,12 @@ struct interaction_hit {
     float margin;   // least distance of the point from the edges; 0: 4 offsets
 };
 // Fills p, ng, frame and uv, and if needed dp_du, dp_dv and uv_rate, in the mesh's own space.
-void interaction_triangle(const struct satin_scene *scene, const struct shape *shape,
-                          const struct interaction_hit *hit, struct interaction *out);
+void scene_interaction_triangle(const struct satin_scene *scene, const struct shape *shape,
+                                const struct interaction_hit *hit, struct interaction *out);
 
 // Whether the ray o + t d crosses the plane of the triangle at tnear < t < tfar, in double.
-bool interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
-                         float tfar);
+bool scene_interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
+                               float tfar);
 
 // A bound of the error with which a ray tracer computes, in float, the distance from a triangle's
 // plane times the length |n| of the product of two edges: a few ulp of the longest edge cubed. It
@@ -37,6 +37,6 @@ bool interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d,
 struct interaction_error {
     double most, by_area;
 };
-struct interaction_error interaction_error(const struct mesh *mesh);
+struct interaction_error scene_interaction_error(const struct mesh *mesh);
 
 #endif

@@ -21,8 +21,8 @@ static void visit(const struct material_side *side,
     visit(side->component[1], fn, ctx);
 }
 
-void material_visit(const struct material *m,
-                    void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
+void scene_material_visit(const struct material *m,
+                          void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
     visit(&m->front, fn, ctx);
     if (m->two_sided) visit(&m->back, fn, ctx);
 }
@@ -41,15 +41,15 @@ static void add_side(void *ctx, const struct material_side *side) {
     all->lobes |= side->base.model->lobes;
 }
 
-bool material_transmits(const struct material *m, bool holes) {
+bool scene_material_transmits(const struct material *m, bool holes) {
     struct union_of all = {.holes = holes};
-    material_visit(m, add_side, &all);
+    scene_material_visit(m, add_side, &all);
     return all.transmits;
 }
 
-unsigned material_lobes(const struct material *m, bool holes) {
+unsigned scene_material_lobes(const struct material *m, bool holes) {
     struct union_of all = {.holes = holes};
-    material_visit(m, add_side, &all);
+    scene_material_visit(m, add_side, &all);
     return all.lobes;
 }
 
@@ -76,10 +76,11 @@ static float blend_weight(const struct satin_scene *scene, const struct material
     const bool passed = side->holes && s->light < 0;
     if (passed && (side_is_hole(first) || side_is_hole(second)))
         return side_is_hole(first) ? 1.0f : 0.0f;
-    struct texture_lookup at = interaction_texture_lookup(scene, s);
-    float weight = side_weight(side, &at);
+    struct texture_lookup at = scene_interaction_texture_lookup(scene, s);
+    float weight = scene_opacity_weight(side, &at);
     if (!passed) return weight;
-    float a = (1.0f - weight) * side_opacity(first, &at), b = weight * side_opacity(second, &at);
+    float a = (1.0f - weight) * scene_opacity_side(first, &at),
+          b = weight * scene_opacity_side(second, &at);
     return a + b > 0.0f ? b / (a + b) : weight;  // 0 where rounded uv are in a hole
 }
 
@@ -111,8 +112,8 @@ static float component_number(const struct interaction *s, vec3 wo) {
     return (float)(key >> 40) * 0x1p-24f;
 }
 
-const struct material_side *scene_component(const struct satin_scene *scene,
-                                            const struct interaction *s, vec3 wo) {
+const struct material_side *scene_draw_component(const struct satin_scene *scene,
+                                                 const struct interaction *s, vec3 wo) {
     const struct material_side *side = side_towards(scene, s, wo);
     if (!side->component[0]) return side;
     float u = component_number(s, wo);
@@ -142,9 +143,9 @@ static void set_brdf_values(const struct material_side *side, const struct textu
     for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
         if (!slot[i]) continue;
         if (i < BRDF_SLOT_NUMBERS)
-            *brdf_color(b, i) = texture_eval(slot[i], side->pointwise ? &point : at);
+            *brdf_color(b, i) = scene_texture_eval(slot[i], side->pointwise ? &point : at);
         else
-            *brdf_number(b, i) = clamp_number(i, texture_number(slot[i], &point));
+            *brdf_number(b, i) = clamp_number(i, scene_texture_number(slot[i], &point));
     }
 }
 
@@ -166,12 +167,12 @@ struct frame scene_component_frame(const struct satin_scene *scene,
 static vec3 bump_normal(const struct satin_scene *scene, const struct material_bump *bump,
                         const struct interaction *s, const struct frame *frame) {
     if (bump->normal) {
-        struct texture_lookup at = interaction_texture_lookup(scene, s);
+        struct texture_lookup at = scene_interaction_texture_lookup(scene, s);
         at.width = 0.0f;
-        rgb c = texture_eval(bump->normal, &at);
+        rgb c = scene_texture_eval(bump->normal, &at);
         return v3(2.0f * c.r - 1.0f, 2.0f * c.g - 1.0f, 2.0f * c.b - 1.0f);
     }
-    vec2 slope = texture_gradient(bump->height, s->uv);
+    vec2 slope = scene_texture_gradient(bump->height, s->uv);
     vec3 n = frame->n, u = s->dp_du, v = s->dp_dv;
     u = v3_mad(u, bump->scale * slope.x - v3_dot(n, u), n);
     v = v3_mad(v, bump->scale * slope.y - v3_dot(n, v), n);
@@ -204,7 +205,7 @@ static void apply_bumps(const struct satin_scene *scene, const struct material_s
     const bool flipped = is_flipped(scene, side, s, wo);
     vec3 up[BRDF_BUMPS_MAX];
     int rotated = 0;
-    for (int i = 0; i < BRDF_BUMPS_MAX && bump_used(&side->bump[i]); i++) {
+    for (int i = 0; i < BRDF_BUMPS_MAX && scene_bump_used(&side->bump[i]); i++) {
         const struct frame front = flipped ? frame_flip(*frame) : *frame;
         vec3 n = bump_normal(scene, &side->bump[i], s, &front);
         up[rotated] = frame->n;
@@ -219,14 +220,14 @@ bool scene_component_brdf(const struct satin_scene *scene, const struct material
     const bool flipped = is_flipped(scene, side, s, wo);
     if (is_from_behind(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
-    struct texture_lookup at = interaction_texture_lookup(scene, s);
+    struct texture_lookup at = scene_interaction_texture_lookup(scene, s);
     set_brdf_values(side, &at, brdf);
     *frame = flipped ? frame_flip(s->frame) : s->frame;
-    if (bump_used(&side->bump[0])) apply_bumps(scene, side, s, wo, frame, brdf);
+    if (scene_bump_used(&side->bump[0])) apply_bumps(scene, side, s, wo, frame, brdf);
     return brdf_lobes(brdf) != 0;
 }
 
 bool scene_brdf(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
                 struct brdf *brdf, struct frame *frame) {
-    return scene_component_brdf(scene, scene_component(scene, s, wo), s, wo, brdf, frame);
+    return scene_component_brdf(scene, scene_draw_component(scene, s, wo), s, wo, brdf, frame);
 }

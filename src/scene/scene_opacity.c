@@ -6,33 +6,34 @@
 
 #include "base/rng.h"
 
-float side_weight(const struct material_side *side, const struct texture_lookup *at) {
+float scene_opacity_weight(const struct material_side *side, const struct texture_lookup *at) {
     if (!side->blend) return side->weight;
     struct texture_lookup point = *at;
     point.width = 0.0f;
-    return clampf(texture_number(side->blend, &point), 0.0f, 1.0f);
+    return clampf(scene_texture_number(side->blend, &point), 0.0f, 1.0f);
 }
 
-float side_opacity(const struct material_side *side, const struct texture_lookup *at) {
+float scene_opacity_side(const struct material_side *side, const struct texture_lookup *at) {
     if (!side->holes) return 1.0f;
     if (!side->component[0]) return 0.0f;
-    float second = side_weight(side, at);
-    return (1.0f - second) * side_opacity(side->component[0], at) +
-           second * side_opacity(side->component[1], at);
+    float second = scene_opacity_weight(side, at);
+    return (1.0f - second) * scene_opacity_side(side->component[0], at) +
+           second * scene_opacity_side(side->component[1], at);
 }
 
-const struct material *opacity_of(const struct satin_scene *scene, const struct shape *shape) {
+const struct material *scene_opacity_of(const struct satin_scene *scene,
+                                        const struct shape *shape) {
     const struct material *m = &scene->material[shape->material];
     return shape->light < 0 && m->front.holes ? m : NULL;
 }
 
-float material_opacity(const struct material *m, const struct texture_lookup *at) {
-    return side_opacity(&m->front, at);
+float scene_opacity_material(const struct material *m, const struct texture_lookup *at) {
+    return scene_opacity_side(&m->front, at);
 }
 
-bool opacity_stops(const struct material *m, const struct texture_lookup *at, const struct ray *ray,
-                   uint32_t salt, bool whole) {
-    float a = material_opacity(m, at);
+bool scene_opacity_stops(const struct material *m, const struct texture_lookup *at,
+                         const struct ray *ray, uint32_t salt, bool whole) {
+    float a = scene_opacity_material(m, at);
     if (whole || a <= 0.0f || a >= 1.0f) return a > 0.0f;
     const float f[6] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z};
     uint32_t bits[6];

@@ -9,14 +9,14 @@
 #include "scene/scene.h"
 
 // The weight of component[1] of a blend.
-float side_weight(const struct material_side *side, const struct texture_lookup *at);
+float scene_opacity_weight(const struct material_side *side, const struct texture_lookup *at);
 // The opacity of a side: the sum of the weights of all components but the holes.
-float side_opacity(const struct material_side *side, const struct texture_lookup *at);
+float scene_opacity_side(const struct material_side *side, const struct texture_lookup *at);
 // The shape's material if rays may pass it, else NULL. Rays do not pass surfaces that emit light.
-const struct material *opacity_of(const struct satin_scene *scene, const struct shape *shape);
+const struct material *scene_opacity_of(const struct satin_scene *scene, const struct shape *shape);
 // Whether the ray from o along d is stopped at a point of primitive `salt`. With `whole` it is
 // stopped unless the opacity is 0.
-bool opacity_stops(const struct material *m, const struct texture_lookup *at, const struct ray *ray,
-                   uint32_t salt, bool whole);
+bool scene_opacity_stops(const struct material *m, const struct texture_lookup *at,
+                         const struct ray *ray, uint32_t salt, bool whole);
 
 #endif

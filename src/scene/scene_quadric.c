@@ -50,7 +50,7 @@ static bool invert(const double m[3][4], double out[3][4]) {
     return true;
 }
 
-bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out) {
+bool scene_quadric_make(const struct shape *shape, uint32_t index, struct quadric *out) {
     struct quadric q = {.kind = shape->kind, .shape = index, .flip = shape->flip_normals};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++) q.to_world[i][j] = shape->to_world.m[i][j];
@@ -66,7 +66,7 @@ bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out
     return true;
 }
 
-void quadric_bounds(const struct quadric *q, vec3 *lo, vec3 *hi) {
+void scene_quadric_bounds(const struct quadric *q, vec3 *lo, vec3 *hi) {
     float from[3], to[3];
     for (int i = 0; i < 3; i++) {
         const double *m = q->to_world[i];
@@ -129,7 +129,8 @@ static int crossings(const struct quadric *q, struct quadric_point o, struct qua
     return n;
 }
 
-bool quadric_intersect(const struct quadric *q, vec3 o, vec3 d, float tnear, float tfar, float *t) {
+bool scene_quadric_intersect(const struct quadric *q, vec3 o, vec3 d, float tnear, float tfar,
+                             float *t) {
     double at[2];
     int n = crossings(q, to_double(o), to_double(d), at);
     for (int i = 0; i < n; i++)
@@ -205,8 +206,8 @@ static struct quadric_surface cylinder_surface(const struct quadric *q, struct q
     return s;
 }
 
-void quadric_interaction(const struct quadric *q, const struct ray *ray, float t, bool tangent,
-                         struct interaction *out) {
+void scene_quadric_interaction(const struct quadric *q, const struct ray *ray, float t,
+                               bool tangent, struct interaction *out) {
     struct quadric_point p = point_at_distance(to_double(ray->o), t, to_double(ray->d));
     struct quadric_surface s = q->kind == SHAPE_SPHERE ? sphere_surface(q, p)
                                : q->kind == SHAPE_DISK ? disk_surface(q, p)

@@ -17,15 +17,15 @@ struct quadric {
 };
 
 // False if the transform of the shape has no inverse, or if the radius of a sphere is 0.
-bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out);
+bool scene_quadric_make(const struct shape *shape, uint32_t index, struct quadric *out);
 // A box around the surface, rounded outwards.
-void quadric_bounds(const struct quadric *quadric, vec3 *lo, vec3 *hi);
+void scene_quadric_bounds(const struct quadric *quadric, vec3 *lo, vec3 *hi);
 // The nearest crossing in (tnear, tfar) along o + t d.
-bool quadric_intersect(const struct quadric *quadric, vec3 o, vec3 d, float tnear, float tfar,
-                       float *t);
+bool scene_quadric_intersect(const struct quadric *quadric, vec3 o, vec3 d, float tnear, float tfar,
+                             float *t);
 // Fills p (projected onto the surface), ng, frame and uv of the hit at distance t. The frame
 // follows dp/du if `tangent`.
-void quadric_interaction(const struct quadric *quadric, const struct ray *ray, float t,
-                         bool tangent, struct interaction *out);
+void scene_quadric_interaction(const struct quadric *quadric, const struct ray *ray, float t,
+                               bool tangent, struct interaction *out);
 
 #endif

@@ -2,8 +2,8 @@
 // Shading points: surface interactions with the BRDF and the frame in which it is evaluated.
 #include "scene/scene.h"
 
-void shading_point_of(const struct satin_scene *scene, const struct material_side *side,
-                      const struct interaction *s, vec3 d, struct shading_point *out) {
+void scene_shading_point_of(const struct satin_scene *scene, const struct material_side *side,
+                            const struct interaction *s, vec3 d, struct shading_point *out) {
     vec3 wo = v3_neg(d);
     out->interaction = *s;
     out->ng = v3_dot(s->ng, wo) < 0.0f ? v3_neg(s->ng) : s->ng;
@@ -18,7 +18,7 @@ void shading_point_of(const struct satin_scene *scene, const struct material_sid
     out->wo_l = frame_to_local(&out->frame, wo);
 }
 
-void shading_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
-                        struct shading_point *out) {
-    shading_point_of(scene, scene_component(scene, s, v3_neg(d)), s, d, out);
+void scene_shading_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
+                              struct shading_point *out) {
+    scene_shading_point_of(scene, scene_draw_component(scene, s, v3_neg(d)), s, d, out);
 }

@@ -94,7 +94,7 @@ void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi) {
         case SHAPE_SPHERE:
         case SHAPE_DISK:
         case SHAPE_CYLINDER:
-            if (quadric_make(shape, 0, &quadric)) quadric_bounds(&quadric, lo, hi);
+            if (scene_quadric_make(shape, 0, &quadric)) scene_quadric_bounds(&quadric, lo, hi);
             return;
     }
 }

@@ -11,7 +11,7 @@ enum { SPECTRUM_STEPS = 1000 };
 // divisor of D65 by which white under it has luminance 1.
 static const double y_integral = 106.7502593994140625, d65_scale = 98.99741751876255;
 
-void spectrum_free(struct spectrum *spectrum) {
+void scene_spectrum_free(struct spectrum *spectrum) {
     free(spectrum->wavelength);
     free(spectrum->value);
     *spectrum = (struct spectrum){0};
@@ -67,7 +67,7 @@ static double step_fraction(void) {
     return range / SPECTRUM_STEPS / y_integral;
 }
 
-rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
+rgb scene_spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
     double xyz[3] = {0.0, 0.0, 0.0}, row[4];
     size_t at = 0;
     for (int i = 0; i < SPECTRUM_STEPS; i++) {
@@ -79,7 +79,7 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
     return xyz_to_rgb(xyz, step_fraction());
 }
 
-rgb spectrum_blackbody(double kelvin, double first, double last) {
+rgb scene_spectrum_blackbody(double kelvin, double first, double last) {
     double xyz[3] = {0.0, 0.0, 0.0}, row[4];
     for (int i = 0; i < SPECTRUM_STEPS; i++) {
         const double wavelength = step_wavelength(i);

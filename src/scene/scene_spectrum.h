@@ -19,12 +19,12 @@ struct spectrum {
     double *wavelength, *value;
     size_t count;
 };
-void spectrum_free(struct spectrum *spectrum);
+void scene_spectrum_free(struct spectrum *spectrum);
 
 // The linear sRGB of a spectrum of light or, under D65, of a reflectance. Negative values, outside
 // of the gamut, become 0.
-rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light);
+rgb scene_spectrum_to_rgb(const struct spectrum *spectrum, bool light);
 // Linear sRGB of a black body's radiance [W m^-2 sr^-1 nm^-1] between two wavelengths [nm].
-rgb spectrum_blackbody(double kelvin, double first, double last);
+rgb scene_spectrum_blackbody(double kelvin, double first, double last);
 
 #endif

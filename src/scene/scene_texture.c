@@ -111,26 +111,26 @@ static const struct texture *find_check(const struct texture *texture, vec2 uv, 
 static rgb eval_unscaled(const struct texture *texture, const struct texture_lookup *at) {
     if (texture->kind == TEXTURE_CONSTANT) return texture->value;
     if (texture->kind == TEXTURE_ATTRIBUTE)
-        return rgb_scale(attribute_eval(texture->attribute, at), texture->scale);
+        return rgb_scale(scene_attribute_eval(texture->attribute, at), texture->scale);
     float u, v;
     if (!to_texture(texture, at->uv, &u, &v)) return texture->mean;
     return bitmap(texture, u, v, at->width);
 }
 
-rgb texture_eval(const struct texture *texture, const struct texture_lookup *at) {
+rgb scene_texture_eval(const struct texture *texture, const struct texture_lookup *at) {
     rgb factor;
     texture = find_check(texture, at->uv, false, &factor);
     return rgb_mul(eval_unscaled(texture, at), factor);
 }
 
-float texture_number(const struct texture *texture, const struct texture_lookup *at) {
+float scene_texture_number(const struct texture *texture, const struct texture_lookup *at) {
     rgb factor;
     texture = find_check(texture, at->uv, true, &factor);
     if (texture->kind == TEXTURE_CONSTANT) return rgb_mean(rgb_mul(texture->value, factor));
     return rgb_luminance(rgb_mul(eval_unscaled(texture, at), factor));
 }
 
-vec2 texture_gradient(const struct texture *texture, vec2 uv) {
+vec2 scene_texture_gradient(const struct texture *texture, vec2 uv) {
     float u, v;
     rgb k;
     texture = find_check(texture, uv, true, &k);
@@ -154,7 +154,7 @@ static void image_range(const struct image *image, float *lo, float *hi) {
         }
 }
 
-bool texture_range(const struct texture *texture, float *lo, float *hi) {
+bool scene_texture_range(const struct texture *texture, float *lo, float *hi) {
     float lo_1, hi_1;
     switch (texture->kind) {
         case TEXTURE_CONSTANT:
@@ -165,8 +165,8 @@ bool texture_range(const struct texture *texture, float *lo, float *hi) {
             return *lo <= *hi;
         case TEXTURE_CHECKERBOARD:
         case TEXTURE_GRID:
-            if (!texture_range(texture->check[0], lo, hi) ||
-                !texture_range(texture->check[1], &lo_1, &hi_1))
+            if (!scene_texture_range(texture->check[0], lo, hi) ||
+                !scene_texture_range(texture->check[1], &lo_1, &hi_1))
                 return false;
             *lo = minf(*lo, lo_1), *hi = maxf(*hi, hi_1);
             return true;
@@ -175,7 +175,7 @@ bool texture_range(const struct texture *texture, float *lo, float *hi) {
             // channels.
             if (texture->value.r != texture->value.g || texture->value.r != texture->value.b)
                 return false;
-            if (!texture_range(texture->check[0], lo, hi)) return false;
+            if (!scene_texture_range(texture->check[0], lo, hi)) return false;
             *lo *= texture->value.r, *hi *= texture->value.r;
             return true;
         case TEXTURE_ATTRIBUTE:

@@ -34,12 +34,12 @@ static satin_status build_structures(struct trace *trace, struct satin_scene *sc
     // Built by all cores: trees built by 1, 2 and 8 threads gave the same hits where several
     // triangles tie.
     trace->device = rtcNewDevice(NULL);
-    if (!trace->device) return accel_status(NULL, log);
+    if (!trace->device) return scene_accel_status(NULL, log);
     trace->group_count = scene->group_count;
     for (uint32_t g = 0; g < scene->group_count; g++) {
         const struct shape_group *group = &scene->group[g];
-        satin_status status = accel_build(trace->device, scene, group->first, group->count, g + 1,
-                                          NULL, log, &trace->group[g]);
+        satin_status status = scene_accel_build(trace->device, scene, group->first, group->count,
+                                                g + 1, NULL, log, &trace->group[g]);
         if (status != SATIN_OK) return status;
     }
     for (uint32_t i = 0; i < scene->shape_count; i++) {
@@ -47,10 +47,10 @@ static satin_status build_structures(struct trace *trace, struct satin_scene *sc
         vec3 lo, hi;
         if (shape->kind != SHAPE_INSTANCE) continue;
         if (!bounds_of(&trace->group[shape->instance_of], &lo, &hi)) lo = hi = v3(0, 0, 0);
-        instance_bound(shape, lo, hi);
+        scene_instance_bound(shape, lo, hi);
     }
-    return accel_build(trace->device, scene, 0, scene->shape_count, 0, trace->group, log,
-                       &trace->top);
+    return scene_accel_build(trace->device, scene, 0, scene->shape_count, 0, trace->group, log,
+                             &trace->top);
 }
 
 static satin_status build_trace(struct trace *trace, struct satin_scene *scene, struct log log) {
@@ -111,8 +111,8 @@ satin_status scene_trace_build(struct satin_scene *scene, struct log log) {
 
 void scene_trace_free(struct trace *trace) {
     if (!trace) return;
-    accel_free(&trace->top);
-    for (uint32_t g = 0; g < trace->group_count; g++) accel_free(&trace->group[g]);
+    scene_accel_free(&trace->top);
+    for (uint32_t g = 0; g < trace->group_count; g++) scene_accel_free(&trace->group[g]);
     if (trace->device) rtcReleaseDevice(trace->device);
     free(trace->group);
     free(trace);
@@ -149,7 +149,7 @@ static void interaction_of_curve(const struct shape *shape, const struct RTCRayH
                            .p = v3_mad(ray->o, hit->ray.tfar, ray->d),
                            .n = v3(hit->hit.Ng_x, hit->hit.Ng_y, hit->hit.Ng_z),
                            .flip = shape->flip_normals};
-    curve_interaction(&shape->curves, &at, tangent, out);
+    scene_curve_interaction(&shape->curves, &at, tangent, out);
 }
 
 // Fills a surface interaction except t; ray and result are in the accel's own space.
@@ -166,11 +166,12 @@ static void interaction_of(const struct satin_scene *scene, const struct accel *
     struct interaction_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent,
                                  partials,        rate,       margin};
     if (quadric)
-        quadric_interaction(&accel->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
+        scene_quadric_interaction(&accel->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent,
+                                  out);
     else if (shape->kind == SHAPE_CURVES)
         interaction_of_curve(shape, hit, ray, tangent, out);
     else
-        interaction_triangle(scene, shape, &at, out);
+        scene_interaction_triangle(scene, shape, &at, out);
     if (!rate)
         out->uv_rate = 0.0f;
     else if (shape->kind != SHAPE_MESH)
@@ -189,18 +190,18 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
     hit.ray.id = whole;  // read by the masks
     hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     const struct trace *trace = scene->trace;
-    embree_intersect(trace->top.scene, &hit);
+    scene_embree_intersect(trace->top.scene, &hit);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     if (hit.hit.instID[0] == RTC_INVALID_GEOMETRY_ID) {
         interaction_of(scene, &trace->top, &hit, ray, 0.0f, out);
     } else {
         const uint32_t instance = trace->top.geometry_shape[hit.hit.instID[0]];
         const struct shape *shape = &scene->shape[instance];
-        struct ray local = instance_ray(shape, ray);
-        float margin = instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
+        struct ray local = scene_instance_ray(shape, ray);
+        float margin = scene_instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
         interaction_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
         bool tangent = scene->material[out->material].tangent;
-        instance_to_world(shape, tangent, tangent || scene->hints.aovs.partials, out);
+        scene_instance_to_world(shape, tangent, tangent || scene->hints.aovs.partials, out);
         out->instance = instance + 1;
     }
     out->t = hit.ray.tfar;
@@ -222,11 +223,11 @@ float scene_distance(const struct satin_scene *scene, const struct ray *ray) {
     struct RTCRayHit hit;
     if (!ray_load(ray, &hit.ray)) return INFINITY;
     hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    embree_intersect(scene->trace->top.scene, &hit);
+    scene_embree_intersect(scene->trace->top.scene, &hit);
     return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? INFINITY : hit.ray.tfar;
 }
 
 bool scene_occluded(const struct satin_scene *scene, const struct ray *ray) {
     struct RTCRay query;
-    return ray_load(ray, &query) && embree_occluded(scene->trace->top.scene, &query);
+    return ray_load(ray, &query) && scene_embree_occluded(scene->trace->top.scene, &query);
 }

@@ -15,7 +15,7 @@ satin_status shade_init(struct shade *shade, const struct gather *g, struct cach
                       .records = records,
                       .interpolates = interpolates,
                       .missing = missing};
-    film_filter_make(&g->scene->film, &s.filter);
+    scene_film_filter_make(&g->scene->film, &s.filter);
     // The footprint of a pixel is divided among its samples.
     if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));
     s.gather = gather_layout_new(missing.hemisphere, o->radiance_basis, 0);
@@ -53,7 +53,7 @@ static float coverage(const struct shade *shade, bool hit) {
 }
 
 // Sets the channels of the scene that depend on the sum of the light.
-static void light_channels(const struct shade *shade, struct shade_sample *out) {
+static void set_light_channels(const struct shade *shade, struct shade_sample *out) {
     const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
     if (aovs->moment) shade_aov_light(aovs, out->beauty, out->aov);
 }
@@ -81,7 +81,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     out->uncached = rgb_sub(out->beauty, seen.emission);
     if (seen.hit) surface_channels(shade, &seen.point, &camera, out);
     out->alpha = coverage(shade, seen.hit);
-    light_channels(shade, out);
+    set_light_channels(shade, out);
     out->weight = camera.weight;
 }
 
@@ -114,7 +114,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     }
     for (int layer = SHADE_DIRECT; layer <= SHADE_EMISSION; layer++)
         out->beauty = rgb_add(out->beauty, out->layer[layer]);
-    light_channels(shade, out);
+    set_light_channels(shade, out);
     out->weight = eye.camera.weight;
 }
 

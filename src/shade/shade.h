@@ -57,7 +57,7 @@ struct shade {
     struct cache_reader records;  // how the image pass reads them
     bool interpolates;            // whether samples read the records; otherwise each gathers
     struct shade_missing missing;
-    struct film_filter filter;
+    struct scene_film_filter filter;
     float sharpness;               // width of a sample's footprint, in pixels; 0: a point
     struct gather_layout *gather;  // hemisphere for points where a cache is off
     struct gather_worker *worker;  // one for each worker of the pool

@@ -6,7 +6,7 @@
 // squares solution of du dp/du + dv dp/dv = dp. 0 if the ray misses the plane or uv is degenerate.
 static vec2 uv_towards(const struct shade *shade, const struct interaction *s, vec2 film,
                        vec2 lens) {
-    const struct ray ray = camera_ray(shade->g->scene, shade->camera, film, lens, NULL);
+    const struct ray ray = scene_camera_ray(shade->g->scene, shade->camera, film, lens, NULL);
     const float t = v3_dot(v3_sub(s->p, ray.o), s->ng) / v3_dot(ray.d, s->ng);
     const vec3 dp = v3_sub(v3_mad(ray.o, t, ray.d), s->p), u = s->dp_du, v = s->dp_dv;
     const float uu = v3_dot(u, u), uv = v3_dot(u, v), vv = v3_dot(v, v);

@@ -14,7 +14,7 @@ static rgb find_light(const struct shade_job *job, unsigned lobes, float ratio, 
     const rgb none = rgb_grey(0.0f);
     struct brdf_sample b;
     const vec2 uv = sampler_2d(&u);
-    if (!brdf_sample(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
+    if (!brdf_sample_wi(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
         return none;
     const vec3 d = frame_to_world(&p->frame, b.wi);
     struct interaction hit;

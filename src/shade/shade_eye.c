@@ -29,18 +29,18 @@ struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t 
 struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
                          struct shade_camera_sample *out) {
     const struct satin_scene *scene = shade->g->scene;
-    const struct film_spec *film = &scene->film;
+    const struct scene_film *film = &scene->film;
     vec2 pixel = sampler_2d(sampler), lens = sampler_2d(sampler);
     float cx = (float)(film->crop_x + x) + 0.5f, cy = (float)(film->crop_y + y) + 0.5f;
-    struct film_offset x_offset = film_filter_offset(
+    struct scene_film_offset x_offset = scene_film_filter_offset(
         &shade->filter, cx, (float)film->crop_x, (float)(film->crop_x + film->crop_width), pixel.x);
-    struct film_offset y_offset =
-        film_filter_offset(&shade->filter, cy, (float)film->crop_y,
-                           (float)(film->crop_y + film->crop_height), pixel.y);
+    struct scene_film_offset y_offset =
+        scene_film_filter_offset(&shade->filter, cy, (float)film->crop_y,
+                                 (float)(film->crop_y + film->crop_height), pixel.y);
     *out = (struct shade_camera_sample){.weight = x_offset.weight * y_offset.weight,
                                         .film = {cx + x_offset.x, cy + y_offset.x},
                                         .at = lens};
-    return camera_ray(scene, shade->camera, out->film, lens, &out->spread);
+    return scene_camera_ray(scene, shade->camera, out->film, lens, &out->spread);
 }
 
 static void add_emission(const struct shade *shade, const struct eye_path *path,
@@ -88,7 +88,7 @@ static int find_components(const struct satin_scene *scene, const struct interac
                            int taken, struct scene_component component[MATERIAL_COMPONENTS_MAX]) {
     int components = scene_components(scene, s, v3_neg(d), component);
     if (components == 1 || taken + 2 * components <= SHADE_VERTICES) return components;
-    component[0] = (struct scene_component){scene_component(scene, s, v3_neg(d)), 1.0f};
+    component[0] = (struct scene_component){scene_draw_component(scene, s, v3_neg(d)), 1.0f};
     return 1;
 }
 
@@ -112,13 +112,13 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         s.footprint = shade->sharpness * spread * (path.distance + s.t);
         struct scene_component component[MATERIAL_COMPONENTS_MAX];
         const struct material_side *shown =
-            path.depth == 0 ? scene_component(scene, &s, v3_neg(path.ray.d)) : NULL;
+            path.depth == 0 ? scene_draw_component(scene, &s, v3_neg(path.ray.d)) : NULL;
         int components = find_components(scene, &s, path.ray.d, out->count + top, component);
         for (int i = 0; i < components; i++) {
             struct shading_point point;
             struct eye_path own = path;
             own.T = rgb_scale(path.T, component[i].weight);
-            shading_point_of(scene, component[i].side, &s, path.ray.d, &point);
+            scene_shading_point_of(scene, component[i].side, &s, path.ray.d, &point);
             if (component[i].side == shown) {
                 out->hit = true;
                 out->first = point;

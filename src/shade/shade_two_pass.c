@@ -21,7 +21,7 @@ static void note_records(struct shade_job *job, struct cache_used used) {
 }
 
 // Adds indirect light by a hemisphere of gather rays, if irradiance is not cached.
-static void gather_diffuse(struct shade_job *job) {
+static void sample_diffuse(struct shade_job *job) {
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
     const struct gather_worker *w = &job->worker->gather;
@@ -123,7 +123,7 @@ static bool draw_sample(const struct shade_job *job, const struct lobe_sampling 
     const vec2 uv = sampler_2d(&u);
     const float u_lobe = sampler_1d(&u);
     if (!by->clusters)
-        return brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, by->lobes, BRDF_RADIANCE, out);
+        return brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, by->lobes, BRDF_RADIANCE, out);
     return gather_single_sample(by->clusters, p, by->lobes, u_lobe, uv, out);
 }
 
@@ -235,7 +235,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const float u_caustic = sampler_1d(&apart);
     if (plan.cached && !indirect_cached(job, &plan, value)) sample_missing(job, plan.cached);
     if (plan.diffuse && !o->irradiance_cache)
-        gather_diffuse(job);
+        sample_diffuse(job);
     else if (plan.diffuse && !diffuse_cached(job, value))
         sample_missing(job, plan.diffuse);
     if (plan.sampled) {

@@ -128,7 +128,7 @@ static const char *path_beside(struct study_reader *r, const struct toml_node *n
 }
 
 // The name of a scene: that of its file or, if it is scene.xml, that of its folder.
-static const char *scene_name(struct study_reader *r, const char *path) {
+static const char *name_of_scene(struct study_reader *r, const char *path) {
     const char *end = path + strlen(path), *slash = strrchr(path, '/');
     const char *begin = slash ? slash + 1 : path;
     if (strcmp(begin, "scene.xml") == 0 && slash && slash > path) {
@@ -170,7 +170,7 @@ static bool add_scene(struct study_reader *r, const struct toml_node *file, cons
     struct study_scene *scene = &s->scene[s->scenes];
     *scene = (struct study_scene){.path = path_beside(r, file), .at = file->at};
     if (!scene->path) return false;
-    scene->name = name ? name : scene_name(r, scene->path);
+    scene->name = name ? name : name_of_scene(r, scene->path);
     if (!is_file_name(scene->name))
         return study_wrong(r, file,
                            "a scene's name has 1 to %d bytes, does not begin with a dot, and has "

@@ -305,7 +305,7 @@ static void log_load(void *user, satin_log_severity severity, const char *messag
     if (p->log.fn) p->log.fn(p->log.user, severity, message);
 }
 
-static satin_status load_scene(struct planner *p, size_t at) {
+static satin_status read_scene(struct planner *p, size_t at) {
     struct study_scene *scene = &p->plan->study.scene[at];
     satin_scene_free(p->scene);
     p->scene = NULL;
@@ -392,7 +392,7 @@ static satin_status plan_points(struct planner *p) {
     uint64_t *hash = calloc(s->points, sizeof *hash);
     satin_status status = hash ? SATIN_OK : fail_memory(p->log);
     for (size_t i = 0; i < s->scenes && status == SATIN_OK; i++) {
-        status = load_scene(p, i);
+        status = read_scene(p, i);
         if (status == SATIN_OK) status = check_reference(p);
         if (status == SATIN_OK) status = describe_points(p, hash);
     }
@@ -431,7 +431,7 @@ static satin_status plan_all(struct planner *p) {
     if (!plan->reference || !plan->image || !plan->view) return fail_memory(p->log);
     for (size_t i = s->scenes; i-- > 0 && status == SATIN_OK;) {
         // The last scene is still loaded.
-        if (p->at != i) status = load_scene(p, i);
+        if (p->at != i) status = read_scene(p, i);
         if (status == SATIN_OK) status = plan_scene(p);
     }
     return status;

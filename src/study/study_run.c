@@ -90,7 +90,7 @@ static void report_end(struct running *r, const struct study_render *render, con
 
 // Renders what has no result yet. SATIN_CANCELLED if it was interrupted; a render that fails is no
 // error of the study.
-static satin_status render_one(struct running *r, struct study_render *render, const char *label) {
+static satin_status run_render(struct running *r, struct study_render *render, const char *label) {
     if (render->result.done) return SATIN_OK;
     if (is_interrupted(r)) return SATIN_CANCELLED;
     satin_status status = run_command(r, render);
@@ -109,7 +109,7 @@ static satin_status render_one(struct running *r, struct study_render *render, c
 
 // ---- All renders --------------------------------------------------------------------------------
 
-static satin_status render_references(struct running *r) {
+static satin_status run_references(struct running *r) {
     const struct study *s = &r->plan->study;
     satin_status status = SATIN_OK;
     for (size_t i = 0; i < s->scenes; i++)
@@ -119,7 +119,7 @@ static satin_status render_references(struct running *r) {
                      k + 1, s->reference_pieces);
             struct study_render *render =
                 &r->plan->render[r->plan->reference[i * s->reference_pieces + k]];
-            if (status == SATIN_OK) status = render_one(r, render, label);
+            if (status == SATIN_OK) status = run_render(r, render, label);
             if (status == SATIN_OK && (render->result.status != 0 || render->result.signal != 0))
                 status = log_fail(r->log, SATIN_ERROR_INTERNAL,
                                   "%s: its reference could not be rendered", s->scene[i].name);
@@ -127,7 +127,7 @@ static satin_status render_references(struct running *r) {
     return status;
 }
 
-static satin_status render_point(struct running *r, size_t scene, size_t point, size_t seed) {
+static satin_status run_point(struct running *r, size_t scene, size_t point, size_t seed) {
     const struct study *s = &r->plan->study;
     char *label = study_point_label(s, &s->point[point]);
     struct study_text text = {0}, view_text = {0};
@@ -137,8 +137,8 @@ static satin_status render_point(struct running *r, size_t scene, size_t point, 
                    (unsigned long long)s->seed[seed]);
     study_text_add(&view_text, "%s, view of the first pass", text.data ? text.data : "");
     if (label && !text.failed && !view_text.failed) {
-        status = render_one(r, study_plan_image(r->plan, scene, point, seed), text.data);
-        if (status == SATIN_OK && view) status = render_one(r, view, view_text.data);
+        status = run_render(r, study_plan_image(r->plan, scene, point, seed), text.data);
+        if (status == SATIN_OK && view) status = run_render(r, view, view_text.data);
     }
     free(label);
     free(text.data);
@@ -146,13 +146,13 @@ static satin_status render_point(struct running *r, size_t scene, size_t point, 
     return status;
 }
 
-static satin_status render_points(struct running *r) {
+static satin_status run_points(struct running *r) {
     const struct study *s = &r->plan->study;
     satin_status status = SATIN_OK;
     for (size_t k = 0; k < s->seeds; k++)
         for (size_t i = 0; i < s->scenes; i++)
             for (size_t p = 0; p < s->points && status == SATIN_OK; p++)
-                status = render_point(r, i, p, k);
+                status = run_point(r, i, p, k);
     return status;
 }
 
@@ -182,10 +182,10 @@ static satin_status run_all(struct running *r) {
     if (status != SATIN_OK) return status;
     find_results(r, changed);
     free(changed);
-    status = render_references(r);
+    status = run_references(r);
     // Without references nothing can be compared.
     if (status != SATIN_OK) return status;
-    status = render_points(r);
+    status = run_points(r);
     if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
     const satin_status written = study_report_write(r->store, r->plan, r->log);
     if (written != SATIN_OK) return written;

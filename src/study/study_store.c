@@ -163,7 +163,7 @@ static double json_value(const char *json, const char *name) {
 }
 
 // The names of the numbers in KEY.json, and where they are in a result.
-static const struct stored {
+static const struct {
     const char *name;
     size_t offset;
 } stored[] = {

@@ -7,8 +7,8 @@
 
 #include "study/study_report.h"
 
-static const struct study_render *render_at(const struct study_report *report, size_t scene,
-                                            size_t point, size_t seed) {
+static const struct study_render *find_render(const struct study_report *report, size_t scene,
+                                              size_t point, size_t seed) {
     return study_plan_image(report->plan, scene, point, seed);
 }
 
@@ -43,7 +43,7 @@ static void csv_row(const struct study_report *report, size_t scene, size_t poin
     const struct study *s = &report->plan->study;
     const struct study_found *found = study_report_at(report, scene, point);
     const struct study_row *row = &found->row[seed];
-    const struct study_render *render = render_at(report, scene, point, seed);
+    const struct study_render *render = find_render(report, scene, point, seed);
     const struct study_result *result = &render->result;
     const double errors[] = {row->relmse,           row->mean_ratio,
                              found->image.bias2,    found->image.bias2_error,
@@ -113,7 +113,7 @@ static void json_errors(struct study_text *out, const char *name, const struct s
 static void json_run(const struct study_report *report, size_t scene, size_t point, size_t seed,
                      struct study_text *out) {
     const struct study_row *row = &study_report_at(report, scene, point)->row[seed];
-    const struct study_render *render = render_at(report, scene, point, seed);
+    const struct study_render *render = find_render(report, scene, point, seed);
     const struct study_result *result = &render->result;
     char *command = study_command(render);
     study_text_add(out, "{\"seed\": %llu, ", (unsigned long long)report->plan->study.seed[seed]);

@@ -5,14 +5,14 @@
 
 // Uses of a loaded scene that its numbers must not break.
 static void fuzz_scene_use(const satin_scene *scene) {
-    const struct film_spec *film = &scene->film;
+    const struct scene_film *film = &scene->film;
     float spread, right = (float)(film->crop_x + film->crop_width);
-    struct film_filter filter;
-    film_filter_make(film, &filter);
-    float x =
-        right - 0.5f + film_filter_offset(&filter, right - 0.5f, (float)film->crop_x, right, 0).x;
+    struct scene_film_filter filter;
+    scene_film_filter_make(film, &filter);
+    float x = right - 0.5f +
+              scene_film_filter_offset(&filter, right - 0.5f, (float)film->crop_x, right, 0).x;
     struct ray ray =
-        camera_ray(scene, &scene->camera, (vec2){x, 0.5f}, (vec2){0.3f, 0.7f}, &spread);
+        scene_camera_ray(scene, &scene->camera, (vec2){x, 0.5f}, (vec2){0.3f, 0.7f}, &spread);
     struct interaction s;
     struct brdf brdf;
     struct frame frame;

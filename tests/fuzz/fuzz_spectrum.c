@@ -9,7 +9,7 @@ static satin_status fuzz_spectrum_read_text(struct log log, const uint8_t *data,
     char *text = calloc(size + 1, 1);
     if (!text) abort();
     if (size) memcpy(text, data, size);
-    satin_status status = spectrum_parse(log, (struct log_place){"fuzz.xml", 1, 1}, text, out);
+    satin_status status = load_spectrum_parse(log, (struct log_place){"fuzz.xml", 1, 1}, text, out);
     free(text);
     return status;
 }
@@ -19,7 +19,7 @@ static satin_status read_file(struct log log, const uint8_t *data, size_t size,
     uint64_t hash = 0;
     char path[FUZZ_PATH];
     int file = fuzz_file(data, size, path);
-    satin_status status = spectrum_read(log, (struct log_place){0}, path, &hash, out);
+    satin_status status = load_spectrum_read(log, (struct log_place){0}, path, &hash, out);
     close(file);
     return status;
 }
@@ -34,9 +34,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (lines != (status != SATIN_OK) || (status && status != SATIN_ERROR_INPUT)) abort();
     if (status != SATIN_OK && spectrum.count) abort();
     for (int light = 0; light < 2; light++) {
-        rgb c = spectrum_to_rgb(&spectrum, light);
+        rgb c = scene_spectrum_to_rgb(&spectrum, light);
         if (!rgb_finite(c) || c.r < 0.0f || c.g < 0.0f || c.b < 0.0f) abort();
     }
-    spectrum_free(&spectrum);
+    scene_spectrum_free(&spectrum);
     return 0;
 }

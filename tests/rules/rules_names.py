@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that names are defined once in include, src, bench, tests and docs: static functions,
-static objects (constants and tables), tags of structs, unions and enums, and what is in the
-anonymous namespaces of C++ name one thing, so that a search or a back-trace leads to one
-definition. Objects inside functions are exempt: they are local variables that happen to be
-constant, which no back-trace names and a debugger shows after their function. Enumerators and
-macros are unique in src and include; in tests and benches, which are programs of one file, they may
-recur, as N and ORDER. Checks also that constants of one name have one value in all files of src;
-and that an option has one name, that of its field in satin_options, in the table of options, in
-docs/options.md and in the glossary.
+"""Checks that names are defined once in include, src, bench, tests and docs: functions, static
+objects (constants and tables), tags of structs, unions and enums, and what is in the anonymous
+namespaces of C++ name one thing, so that a search or a back-trace leads to one definition. A
+function of src that other files can call begins with the name of its folder, and nothing begins
+with the name of another folder; folder base and the words of rsh, which knows no folder, aside.
+Objects inside functions are exempt: they are local variables that happen to be constant, which no
+back-trace names and a debugger shows after their function. Enumerators and macros are unique in src
+and include; in tests and benches, which are programs of one file, they may recur, as N and ORDER.
+Checks also that constants of one name have one value in all files of src; and that an option has
+one name, that of its field in satin_options, in the table of options, in docs/options.md and in the
+glossary.
 
 Usage: rules_names.py TREE
 """
@@ -17,15 +19,18 @@ import pathlib
 import re
 import sys
 
+sys.dont_write_bytecode = True
+from rules_sources import ORDER  # pylint: disable=wrong-import-position
+
 FOLDERS = ["include", "src", "bench", "tests", "docs"]
 CODE = {".c", ".h", ".cpp"}
-# Names that still recur. The list may only shrink: one that no longer recurs is an error too.
-TO_DO = set("""
-
-""".split())
+# How functions begin that other files can call, where that is not the name of their folder.
+PREFIXES = {"apps": "app_", "render": "render_|options?_"}
 # As clang-format writes definitions: they begin in column 1, and a body opens on their last line.
 FUNCTION = re.compile(r"^static (?:inline )?(?:_Noreturn )?[\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{",
                       re.MULTILINE)
+OPEN_FUNCTION = re.compile(r"^(?!(?:_Noreturn )?static|typedef|extern|return)(?![A-Z_]+ )"
+                           r"\w[\w \*\n]*?\b([a-z]\w+)\([^;{}]*?\)\s*\{", re.MULTILINE)
 INLINE_FUNCTION = re.compile(r"^INLINE [\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{", re.MULTILINE)
 TAG = re.compile(r"^(?:typedef |static |const )*(?:struct|union|enum) (\w+) \{", re.MULTILINE)
 # Without comments, only the bracket that ends a namespace has spaces after it.
@@ -122,13 +127,51 @@ def definitions(path):
         yield from ("".join(names) for names in IN_NAMESPACE.findall(namespace))
 
 
+def open_functions(path):
+    """The names of the functions of a C file that other files can call."""
+    if path.suffix != ".c":
+        return []
+    text = re.sub(r"//[^\n]*", "", path.read_text(encoding="utf-8"))
+    return [name for name in OPEN_FUNCTION.findall(text) if name != "main"]
+
+
 def recurring(tree):
-    """Of each name that is defined in more than one file, the files."""
+    """Of each name that is defined in more than one file, or for a function and a tag, the files.
+    Programs of one file, and of the folders that make one, may have functions of one name."""
     definitions_of = collections.defaultdict(list)
     for path in sorted(p for f in FOLDERS for p in (tree / f).rglob("*") if p.suffix in CODE):
-        for name in sorted(set(definitions(path))):
+        names = set(definitions(path))
+        # Both in one file, of which each counts.
+        functions = set(open_functions(path)) if path.is_relative_to(tree / "src") else set()
+        text = path.read_text(encoding="utf-8")
+        statics = {*FUNCTION.findall(text), *objects(text)}
+        for name in [*sorted(names), *sorted(functions), *sorted(statics & {*TAG.findall(text)})]:
             definitions_of[name].append(path)
     return {name: paths for name, paths in definitions_of.items() if len(paths) > 1}
+
+
+def wrong_prefixes(tree):
+    """Functions of src that do not begin with the name of their folder though other files can call
+    them, and functions and tags that begin with that of another folder."""
+    count = 0
+    for path in sorted(p for p in (tree / "src").rglob("*") if p.suffix in CODE):
+        folder = path.parent.name
+        if folder in ("base", "rsh"):
+            continue
+        text = re.sub(r"//[^\n]*", "", path.read_text(encoding="utf-8"))
+        statics = FUNCTION.findall(text)
+        callable_ = open_functions(path) + (statics if path.suffix == ".h" else [])
+        count += len(callable_)
+        for name in callable_:
+            if not re.match(PREFIXES.get(folder, rf"{folder}(_|$)") + "|satin_", name):
+                yield f"{path.relative_to(tree)}: {name} does not begin with its folder's name"
+        others = [other for other in ORDER if other not in (folder, "base")]
+        for name in {*statics, *open_functions(path), *TAG.findall(text)}:
+            for other in others:
+                if name.startswith(other + "_"):
+                    yield f"{path.relative_to(tree)}: {name} begins with the name of {other}"
+    if count < 500:
+        yield "functions of src are not found"
 
 
 def wrong_options(tree):
@@ -164,9 +207,8 @@ def main():
              for name in objects(path.read_text(encoding="utf-8"))]
     wrong = ["static objects are not found"] if len(known) < 300 else []
     wrong += [f"{name} is defined in {', '.join(str(p.relative_to(tree)) for p in paths)}"
-             for name, paths in sorted(found.items()) if name not in TO_DO]
-    wrong += [f"{name} no longer recurs: take it off TO_DO"
-              for name in sorted(TO_DO - found.keys())]
+             for name, paths in sorted(found.items())]
+    wrong += wrong_prefixes(tree)
     wrong += wrong_options(tree)
     wrong += wrong_constants(tree)
     wrong += wrong_enumerators(tree)

@@ -31,9 +31,9 @@ AIM_FUNCTION, MAX_FUNCTION = 60, 80
 # only shrink.
 MAX_ARGUMENTS = 7
 MANY_ARGUMENTS = set("""
-    accel_build accumulate_columns add_azimuth add_filtered align brdf_sample convert_rows
+    scene_accel_build accumulate_columns add_azimuth add_filtered align brdf_sample_wi convert_rows
     eval_column film_encode_pixels light_find mix_set photon_caustic photon_irradiance_many
-    photon_radiance plain_project project_glossy rotate_bands rotate_batch_channels
+    photon_radiance plain_project brdf_project_glossy rotate_bands rotate_batch_channels
     rotate_group rsh_align rsh_align_many rsh_align_transposed rsh_align_transposed_many
     rsh_project
 """.split())

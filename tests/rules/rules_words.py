@@ -63,7 +63,7 @@ RETIRED = {
     "gather[-_]shadow|gather[-_]bounce": "gather-direct, gather-near",
     "radiance[-_]neighbours|cache_clamp": "neighbour clamp",
     "cache_converge|render_converge|cache_convergence|render_adapt":
-        "fill_adaptive, render_adaptive_cache, render_adaptive_sampling",
+        "fill_adaptive_cache, render_adaptive_cache, render_adaptive_sampling",
     "photon_smooth": "photon_caustic_smooth",
     "photons_worth|worth_starved": "photons_again, again_factor",
     "clamp_guides": "auxiliary images",
@@ -113,7 +113,7 @@ IDENTIFIERS = {
     "Level": ("levels?", {
         "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_levels|plugins_texture)"
                    r"|render/render_(?:budget|records)|scene/scene(?:_texture)?\.)",
-        "RENDER_LEVELS|render_budget_level|fill_levels": "src/render/render_(?:budget|records)",
+        "RENDER_LEVELS|render_budget_level|cover_levels": "src/render/render_(?:budget|records)",
         "load_image_levels": "src/load/load_(?:build|image_levels|plugins_texture)",
         "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
     "Guide": ("guid(?:es?|ed|ing)", {
@@ -123,7 +123,7 @@ IDENTIFIERS = {
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
     # Never a fraction.
     "Shared": ("shar(?:es?|ed|ing)", {
-        "xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
+        "load_xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
         "SetSharedFilterImage": "src/film/"}),
 }
 # Words that are retired from identifiers alone: a pattern of the word, the files from which it is

@@ -53,7 +53,7 @@ static void projection_agrees_with_a_grid(void **state) {
     struct project_rule rule;
     struct project_points *points = malloc(sizeof *points);
     assert_non_null(points);
-    project_rule_make(&rule);
+    brdf_project_rule_make(&rule);
     for (size_t i = 0; i < sizeof lobe / sizeof *lobe; i++)
         for (int angle = 0; angle < 90; angle += 28) {  // 0, 28, 56, 84 degrees
             float theta = (float)angle * PI_F / 180.0f;
@@ -63,7 +63,7 @@ static void projection_agrees_with_a_grid(void **state) {
             float got[COUNT] = {0};
             double norm = grid_projection(lobe + i, wo, basis, want);
             double got_norm =
-                project_glossy(lobe + i, wo, false, basis, ORDER, 1, &rule, points, got);
+                brdf_project_glossy(lobe + i, wo, false, basis, ORDER, 1, &rule, points, got);
             for (int c = 0; c < COUNT; c++) error += pow((double)got[c] - want[c], 2);
             assert_true(sqrt(error / norm) < 1e-3);
             assert_true(fabs(got_norm / norm - 1.0) < 1e-3);
@@ -78,11 +78,11 @@ static void the_half_rule_gives_the_cosine_terms(void **state) {
     struct project_rule rule;
     struct project_points *points = malloc(sizeof *points);
     assert_non_null(points);
-    project_rule_make(&rule);
+    brdf_project_rule_make(&rule);
     float full[3 * COUNT] = {0}, half[3 * COUNT] = {0};
     vec3 wo = v3(0.6f, 0.0f, 0.8f);
-    double norm = project_glossy(&b, wo, false, RSH_HEMISPHERE, ORDER, 3, &rule, points, full);
-    double other = project_glossy(&b, wo, true, RSH_HEMISPHERE, ORDER, 3, &rule, points, half);
+    double norm = brdf_project_glossy(&b, wo, false, RSH_HEMISPHERE, ORDER, 3, &rule, points, full);
+    double other = brdf_project_glossy(&b, wo, true, RSH_HEMISPHERE, ORDER, 3, &rule, points, half);
     assert_true(fabs(norm / other - 1.0) < 1e-5);
     for (int channel = 0; channel < 3; channel++)
         for (int l = 0; l < ORDER; l++)

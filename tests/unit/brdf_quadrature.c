@@ -14,7 +14,7 @@ static void quadrature_integrates_powers_exactly(void **state) {
     (void)state;
     for (int n = 1; n <= QUADRATURE_MAX; n++) {
         struct quadrature rule;
-        quadrature_gauss(&rule, n);
+        brdf_quadrature_gauss(&rule, n);
         assert_int_equal(rule.count, n);
         for (int degree = 0; degree<2 * n; degree += n> 8 ? 7 : 1) {
             double sum = 0.0;

@@ -49,7 +49,7 @@ static void lookups_interpolate_between_rungs(void **state) {
     struct brdf_roughness over = {BRDF_SLOT_ALPHA_U, .02f, .7f};
     struct brdf_range *range;
     assert_int_equal(brdf_range_build(&base, &over, &fit, pool, &range), SATIN_OK);
-    assert_int_equal(brdf_range_info(range).channels, 3);
+    assert_int_equal(brdf_range_describe(range).channels, 3);
     const float alphas[] = {.45f, .55f, .63f, .7f};
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++) {

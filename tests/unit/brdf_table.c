@@ -77,7 +77,7 @@ static void orders_bound_what_is_reflected(void **state) {
     const struct brdf brdfs[] = {phong(5), phong(15), phong(22), ward(0.4f, 0.4f)};
     struct project_points *points = malloc(sizeof *points);
     struct project_rule rule;
-    project_rule_make(&rule);
+    brdf_project_rule_make(&rule);
     assert_non_null(points);
     for (size_t i = 0; i < sizeof brdfs / sizeof *brdfs; i++)
         for (int basis = 0; basis < 2; basis++) {
@@ -85,8 +85,8 @@ static void orders_bound_what_is_reflected(void **state) {
                 test_brdf_table_build(&brdfs[i], basis ? SATIN_SH : SATIN_HSH, 14, 0.01f, 2);
             for (float degrees = 5; degrees < 60; degrees += 25) {
                 float c[196] = {0};
-                project_glossy(&brdfs[i], brdf_table_direction(degrees, 0), false,
-                               basis ? RSH_SPHERE : RSH_HEMISPHERE, 14, 1, &rule, points, c);
+                brdf_project_glossy(&brdfs[i], brdf_table_direction(degrees, 0), false,
+                                    basis ? RSH_SPHERE : RSH_HEMISPHERE, 14, 1, &rule, points, c);
                 int n = brdf_table_order(table, brdf_table_direction(degrees, 0));
                 assert_true(n > 2 && reflected_error(c, n, 4000) < 1.06 * 0.01);
                 assert_true(reflected_error(c, n - 1, 4000) > 0.94 * 0.01);
@@ -103,13 +103,13 @@ static void sharp_edges_at_grazing_views_are_not_held(void **state) {
     assert_true(brdf_table_order(table, v3(0, 0, 1)) > 0);
     assert_int_equal(brdf_table_order(table, brdf_table_direction(85, 0)), 0);
     assert_int_equal(brdf_table_order(table, v3(0, 0, -1)), 0);
-    float fraction = brdf_table_info(table).fraction;
+    float fraction = brdf_table_describe(table).fraction;
     assert_true(fraction > 0.4f && fraction < 0.95f);
     brdf_table_free(table);
     b = phong(15);
     table = test_brdf_table_build(&b, SATIN_HSH, 10, 0.01f, 2);
-    assert_int_equal(brdf_table_info(table).channels, 1);
-    assert_true(brdf_table_info(table).fraction == 1.0f);
+    assert_int_equal(brdf_table_describe(table).channels, 1);
+    assert_true(brdf_table_describe(table).fraction == 1.0f);
     brdf_table_free(table);
 }
 
@@ -118,11 +118,11 @@ static double lookup_error(const struct brdf *b, const struct brdf_table *table,
                            vec3 wo, struct project_points *points) {
     float got[300], want[300] = {0};
     struct project_rule rule;
-    int n = brdf_table_lookup(table, wo, got), channels = brdf_table_info(table).channels;
+    int n = brdf_table_lookup(table, wo, got), channels = brdf_table_describe(table).channels;
     if (!n) return 0.0;
     assert_int_equal(n, brdf_table_order(table, wo));
-    project_rule_make(&rule);
-    double norm = project_glossy(b, wo, false, basis, n, channels, &rule, points, want);
+    brdf_project_rule_make(&rule);
+    double norm = brdf_project_glossy(b, wo, false, basis, n, channels, &rule, points, want);
     double error = 0.0;
     for (int i = 0; i < channels * n * n; i++) error += pow((double)(got[i] - want[i]), 2);
     return sqrt(error / norm);
@@ -176,7 +176,7 @@ static void constant_light_gives_the_albedo(void **state) {
         for (uint32_t i = 0; i < 16384; i++) {
             vec2 u = sample_sobol2(i, 7);
             struct brdf_sample s;
-            if (brdf_sample(&b, wo, 0.5f, u.x, u.y, BRDF_GLOSSY, BRDF_RADIANCE, &s))
+            if (brdf_sample_wi(&b, wo, 0.5f, u.x, u.y, BRDF_GLOSSY, BRDF_RADIANCE, &s))
                 mean += (double)s.weight.g / 16384;
         }
         assert_true(brdf_table_lookup(table, wo, c) > 0);
@@ -193,7 +193,7 @@ static void channels_stay_apart(void **state) {
     float c[108];
     int n = brdf_table_lookup(table, v3(0, 0, 1), c);
     assert_true(n > 0);
-    assert_int_equal(brdf_table_info(table).channels, 3);
+    assert_int_equal(brdf_table_describe(table).channels, 3);
     assert_true(c[0] > c[n * n] && c[n * n] > c[2 * n * n] && c[2 * n * n] > 0.0f);
     brdf_table_free(table);
 }
@@ -204,7 +204,7 @@ static void sharp_lobes_and_bad_arguments_are_refused(void **state) {
         struct brdf b = brdf_table_metal(alpha, (rgb){1, 1, 1});
         struct brdf_table *table = test_brdf_table_build(&b, SATIN_HSH, 10, 0.05f, 2);
         float c[100] = {42.0f};
-        assert_int_equal(brdf_table_info(table).order, 0);
+        assert_int_equal(brdf_table_describe(table).order, 0);
         assert_int_equal(brdf_table_lookup(table, v3(0, 0, 1), c), 0);
         assert_true(c[0] == 42.0f);
         brdf_table_free(table);

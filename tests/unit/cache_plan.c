@@ -55,7 +55,7 @@ static struct shading_point cache_plan_point(const struct cache_plan_fixture *f,
     struct interaction s;
     struct shading_point p;
     assert_true(scene_intersect(&f->scene.scene, &ray, &s));
-    shading_point_make(&f->scene.scene, &s, ray.d, &p);
+    scene_shading_point_make(&f->scene.scene, &s, ray.d, &p);
     return p;
 }
 

@@ -112,7 +112,7 @@ static void beams_between_entries_are_found(void **state) {
             const vec3 p = v3_add(centre, v3(r * cosf(angle), r * sinf(angle), 0.0f));
             float estimate;
             int entry;
-            photon_irradiance(cube.maps, &cube.t.scene, p, v3(0, 0, 1), &estimate, &entry);
+            photon_irradiance_at(cube.maps, &cube.t.scene, p, v3(0, 0, 1), &estimate, &entry);
             points += entry >= 0;
             read += entry >= 0 && cube.direct.similar[entry];
         }

@@ -115,7 +115,7 @@ static void bounces_from_large_lookups_find_the_spot(void **state) {
     f.g.lookup_max = 0.01f;
     const vec3 p = v3(0.3f, -1.0f, 0.3f), n = v3(0, 1, 0);
     float radius;
-    photon_irradiance(f.maps, &f.scene.scene, p, n, &radius, NULL);
+    photon_irradiance_at(f.maps, &f.scene.scene, p, n, &radius, NULL);
     assert_true(f.g.lookup_max < radius && !gather_is_near(&f.g, 2.0f, radius, 2.0f));
     assert_even(&f, gather_near_expected(&f, 1), 0.15);
     spot_room_free(&f);
@@ -145,7 +145,7 @@ static struct shading_point point_along(const struct spot_room *f, vec3 d) {
     struct interaction s;
     struct shading_point y;
     assert_true(scene_intersect(&f->scene.scene, &ray, &s));
-    shading_point_make(&f->scene.scene, &s, d, &y);
+    scene_shading_point_make(&f->scene.scene, &s, d, &y);
     return y;
 }
 

@@ -30,7 +30,7 @@ static struct shading_point below(const struct test_scene *t) {
     struct interaction s;
     struct shading_point p;
     assert_true(scene_intersect(&t->scene, &ray, &s));
-    shading_point_make(&t->scene, &s, ray.d, &p);
+    scene_shading_point_make(&t->scene, &s, ray.d, &p);
     return p;
 }
 

@@ -24,7 +24,7 @@ static struct shading_point gather_single_point(const struct spot_room *f, float
     struct shading_point p;
     const struct ray ray = {.o = v3(-0.3f + x, 0.0f, 0.4f), .d = d, .tfar = INFINITY};
     assert_true(scene_intersect(&f->scene.scene, &ray, &s));
-    shading_point_make(&f->scene.scene, &s, d, &p);
+    scene_shading_point_make(&f->scene.scene, &s, d, &p);
     return p;
 }
 

@@ -30,7 +30,7 @@ static void guide_allocation_room(struct test_scene *t, bool closed) {
     t->scene.camera = (struct camera){
         .to_world = mat4_scale(v3(1, 1, -1)), .tan_x = 1.0f, .tan_y = 1.0f, .far_clip = INFINITY};
     t->scene.film =
-        (struct film_spec){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
+        (struct scene_film){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
 }
 
 static void lamps_in_closed_rooms_get_half(void **state) {

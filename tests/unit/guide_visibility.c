@@ -37,7 +37,7 @@ static void guide_visibility_room(struct test_scene *t, bool walls, int lamps) {
     t->scene.camera = (struct camera){
         .to_world = mat4_scale(v3(1, 1, -1)), .tan_x = 1.0f, .tan_y = 1.0f, .far_clip = INFINITY};
     t->scene.film =
-        (struct film_spec){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
+        (struct scene_film){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
 }
 
 struct guide_visibility_tally {

@@ -57,7 +57,7 @@ static void light_integrate(const struct satin_scene *scene, uint32_t light, vec
         }
 }
 
-// Fails if light_sample and light_pdf disagree at p: a false alarm in 1 of 10^5 tests.
+// Fails if light_sample_wi and light_pdf disagree at p: a false alarm in 1 of 10^5 tests.
 static void check_density(const struct test_scene *t, uint32_t light, vec3 p, const char *what) {
     enum { N = 40000 };
     const struct satin_scene *scene = &t->scene;
@@ -69,7 +69,7 @@ static void check_density(const struct test_scene *t, uint32_t light, vec3 p, co
     for (int i = 0; i < N; i++) {
         struct light_sample s;
         float u = rng_float(&rng), v = rng_float(&rng);
-        if (!light_sample(scene, light, p, u, v, &s)) continue;
+        if (!light_sample_wi(scene, light, p, u, v, &s)) continue;
         assert_true(fabsf(v3_len(s.wi) - 1.0f) < 1e-5f && s.pdf_w > 0.0f && !s.delta);
         float reported = light_density(scene, light, p, s.wi);
         // Samples on an edge may miss it, and where a cylinder curves away the cosine is known to
@@ -252,9 +252,9 @@ static void area_lights_have_a_front(void **state) {
     test_area_light(&t, test_quadric(&t, SHAPE_SPHERE, high, false, grey), rgb_grey(3.0f));
     test_scene_finish(&t);
     struct light_sample s;
-    assert_false(light_sample(&t.scene, 0, v3(0, 0, -1), 0.3f, 0.6f, &s));
-    assert_true(light_sample(&t.scene, 0, v3(0, 0, 1), 0.3f, 0.6f, &s));
-    assert_false(light_sample(&t.scene, 1, v3(0, 0, 5), 0.3f, 0.6f, &s));
+    assert_false(light_sample_wi(&t.scene, 0, v3(0, 0, -1), 0.3f, 0.6f, &s));
+    assert_true(light_sample_wi(&t.scene, 0, v3(0, 0, 1), 0.3f, 0.6f, &s));
+    assert_false(light_sample_wi(&t.scene, 1, v3(0, 0, 5), 0.3f, 0.6f, &s));
     for (int side = -1; side <= 1; side += 2) {
         struct ray ray = {v3(0.1f, 0.2f, (float)side), 0.0f, v3(0, 0, (float)-side), INFINITY};
         struct interaction hit;
@@ -310,7 +310,7 @@ static void lights_are_chosen_with_their_probability(void **state) {
             float probability =
                 light_choose_probability(&t.scene, p, LIGHT_ALL_VISIBLE, (uint32_t)i);
             struct light_sample s;
-            if (light_sample(&t.scene, (uint32_t)i, p, 0.5f, 0.5f, &s))
+            if (light_sample_wi(&t.scene, (uint32_t)i, p, 0.5f, 0.5f, &s))
                 assert_true(probability > 1e-4f);
             assert_true(fabs(drawn[i] - probability) < 1e-4);
             sum += probability;
@@ -332,7 +332,7 @@ static void spots_fall_off_between_their_angles(void **state) {
     for (int i = 0; i < 5; i++) {
         float a = known[i][0] * PI_F / 180.0f;
         struct light_sample s;
-        bool lit = light_sample(&t.scene, 0, v3(2 * sinf(a), 0, 2 * cosf(a)), 0.5f, 0.5f, &s);
+        bool lit = light_sample_wi(&t.scene, 0, v3(2 * sinf(a), 0, 2 * cosf(a)), 0.5f, 0.5f, &s);
         assert_true(lit == (known[i][1] > 0.0f));
         if (lit) assert_true(s.delta && s.pdf_w == 1.0f && fabsf(s.L.r - known[i][1]) < 2e-5f);
     }
@@ -368,7 +368,7 @@ static double sampled_irradiance(const struct test_scene *t, vec3 p) {
     for (uint32_t i = 0; i < N; i++) {
         vec2 u = sample_sobol2(i, 5);
         struct light_sample s;
-        if (!light_sample(&t->scene, 0, p, u.x, u.y, &s) || !(s.wi.z > 0.0f)) continue;
+        if (!light_sample_wi(&t->scene, 0, p, u.x, u.y, &s) || !(s.wi.z > 0.0f)) continue;
         struct ray ray = light_shadow_ray(&t->scene, p, v3(0, 0, 1), &s);
         if (!scene_occluded(&t->scene, &ray)) E += s.L.r * s.wi.z / s.pdf_w / N;
     }

@@ -20,7 +20,7 @@ static void solid_angles_of_rectangles_of_any_size_are_right(void **state) {
         test_scene_finish(&t);
         struct light_sample s;
         vec3 p = v3_mul(v3(0.2f, 0.1f, 0.7f), size[i]);
-        assert_true(light_sample(&t.scene, 0, p, 0.3f, 0.6f, &s));
+        assert_true(light_sample_wi(&t.scene, 0, p, 0.3f, 0.6f, &s));
         if (i == 0) first = s.pdf_w;
         assert_true(fabsf(s.pdf_w - first) <= 1e-5f * first);
         test_scene_free(&t);
@@ -43,7 +43,7 @@ static void solid_angles_of_triangles_of_any_size_are_right(void **state) {
         struct light_ray photon;
         struct light_sample sample;
         vec3 p = v3_mul(v3(0.2f, 0.1f, 0.7f), size[i]);
-        assert_true(light_sample(&t.scene, 0, p, 0.3f, 0.6f, &sample));
+        assert_true(light_sample_wi(&t.scene, 0, p, 0.3f, 0.6f, &sample));
         assert_true(v3_dist2(sample.n, v3(0, 0, 1)) < 1e-10f);
         // The solid angle is about that of the triangle from the front.
         assert_true(sample.pdf_w > 0.5f && sample.pdf_w < 10.0f);
@@ -110,7 +110,7 @@ static void a_bright_texel_is_found(void **state) {
         for (int i = 0; i < FEW; i++) {
             const float u = rng_float(&rng), v = rng_float(&rng);
             struct light_sample s;
-            assert_true(light_sample(&l.t.scene, 0, p, u, v, &s));
+            assert_true(light_sample_wi(&l.t.scene, 0, p, u, v, &s));
             sum += (double)(s.L.r * -s.wi.z / s.pdf_w) / FEW;
             const struct ray ray = {p, 0.0f, s.wi, INFINITY};
             struct interaction hit;

@@ -23,15 +23,16 @@ static void beams_have_one_direction(void **state) {
         struct light_sample s;
         for (float h = 0.5f; h < 100.0f; h *= 4.0f) {
             assert_true(
-                light_sample(&t.scene, 0, mat4_point(&to_world, v3(.7f, .6f, h)), 0, 0, &s));
+                light_sample_wi(&t.scene, 0, mat4_point(&to_world, v3(.7f, .6f, h)), 0, 0, &s));
             assert_true(s.delta && s.L.g == 3.0f && fabsf(s.dist - h) < 1e-4f * h);
             assert_true(v3_dot(s.wi, n) < -0.9999f);
             assert_true(v3_len(v3_sub(s.p, mat4_point(&to_world, v3(.7f, .6f, 0)))) < 1e-4f * h);
         }
-        bool corner = light_sample(&t.scene, 0, mat4_point(&to_world, v3(.9f, .9f, 1)), 0, 0, &s);
+        bool corner =
+            light_sample_wi(&t.scene, 0, mat4_point(&to_world, v3(.9f, .9f, 1)), 0, 0, &s);
         assert_true(corner == !kind);
-        assert_false(light_sample(&t.scene, 0, mat4_point(&to_world, v3(1.1f, 0, 1)), 0, 0, &s));
-        assert_false(light_sample(&t.scene, 0, mat4_point(&to_world, v3(0, 0, -1)), 0, 0, &s));
+        assert_false(light_sample_wi(&t.scene, 0, mat4_point(&to_world, v3(1.1f, 0, 1)), 0, 0, &s));
+        assert_false(light_sample_wi(&t.scene, 0, mat4_point(&to_world, v3(0, 0, -1)), 0, 0, &s));
         const float u[4] = {0.3f, 0.8f, 0.1f, 0.9f};
         struct light_ray photon;
         assert_true(light_emit(&t.scene, 0, NULL, u, &photon));

@@ -26,7 +26,7 @@ static void the_sun_is_a_disc(void **state) {
         for (int k = 0; k < 100; k++) {
             struct light_sample s;
             float u = ((float)i + 0.5f) * 0.01f, v = ((float)k + 0.5f) * 0.01f;
-            if (!light_sample(&t.scene, 0, v3(0, 0, 0), u, v, &s)) continue;
+            if (!light_sample_wi(&t.scene, 0, v3(0, 0, 0), u, v, &s)) continue;
             sum += (double)(s.L.g / s.pdf_w) * 1e-4;
             seen += light_environment(&t.scene, s.wi).g == 1e4f;
         }

@@ -212,7 +212,7 @@ static void points_of_light_are_found(void **state) {
     const double expected =
         light_pane_transmitted(lo) / (sagittal * dx / (2.0 * step));  // E = I T cos / ...
     struct light_sample s;
-    assert_true(light_sample(&t.scene, i, v3(0, 0, 0), 0.5f, 0.5f, &s));
+    assert_true(light_sample_wi(&t.scene, i, v3(0, 0, 0), 0.5f, 0.5f, &s));
     assert_true(light_arrives(&t.scene, v3(0, 0, 0), v3(0, 0, 1), 2, &s));
     assert_true(v3_dist2(s.wi, inclined(lo)) < 1e-8f);
     assert_true(fabs((double)(s.L.g * s.wi.z / s.pdf_w) / expected - 1.0) < 1e-3);
@@ -231,7 +231,8 @@ static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
         const float u = ((float)(i % LIGHT_SIDE) + 0.5f) / LIGHT_SIDE;
         const float v = ((float)(i / LIGHT_SIDE) + 0.5f) / LIGHT_SIDE;
         struct light_sample s;
-        if (!light_sample(scene, 0, p, u, v, &s) || !light_arrives(scene, p, up, 8, &s)) continue;
+        if (!light_sample_wi(scene, 0, p, u, v, &s) || !light_arrives(scene, p, up, 8, &s))
+            continue;
         sum += (double)(s.L.g * s.wi.z / s.pdf_w);
         struct interaction hit;
         struct light_found found;

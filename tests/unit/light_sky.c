@@ -68,7 +68,7 @@ static void the_sky_is_that_of_mitsuba(void **state) {
         struct arena arena = {0};
         struct image image;
         struct sky sky = sky_of(known[i].turbidity, known[i].elevation, known[i].albedo);
-        assert_true(sky_image(&arena, &sky, &image));
+        assert_true(light_sky_image(&arena, &sky, &image));
         const float z = known[i].zenith * DEGREE, a = known[i].azimuth * DEGREE;
         const rgb c = light_sky_at(&image, v3(sinf(z) * cosf(a), cosf(z), sinf(z) * sinf(a)));
         assert_float_equal(c.r, known[i].L[0], 2e-3f * known[i].L[0]);
@@ -83,7 +83,7 @@ static void the_sky_ends_at_the_horizon_and_is_symmetric(void **state) {
     struct arena arena = {0};
     struct image image;
     struct sky sky = sky_of(2.5f, 30.0f, 0.3f);
-    assert_true(sky_image(&arena, &sky, &image));
+    assert_true(light_sky_image(&arena, &sky, &image));
     int half = image.height / 2, width = image.width;
     for (int column = 0; column < width; column++) {
         assert_false(rgb_black(light_sky_texel(&image, column, half)));
@@ -112,7 +112,7 @@ static void the_sun_is_that_of_mitsuba(void **state) {
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         const struct sky sky = sky_of(known[i].turbidity, known[i].elevation, 0.3f);
-        const rgb L = sky_sun(&sky);
+        const rgb L = light_sky_sun(&sky);
         const float error = known[i].within * known[i].L[0];
         assert_float_equal(L.r, known[i].L[0], error);
         assert_float_equal(L.g, known[i].L[1], error);

@@ -10,7 +10,7 @@
 #include "light/light_sun.h"
 
 static vec3 at(float latitude, int month, int day, float hour) {
-    return sun_toward(&(struct sun_time){2010, month, day, hour, 0, 0, latitude, 0, 0});
+    return light_sun_toward(&(struct sun_time){2010, month, day, hour, 0, 0, latitude, 0, 0});
 }
 
 // At noon the sun is in the south, at the height of the latitude's complement and the declination.
@@ -39,7 +39,7 @@ static void the_sun_rises_in_the_east(void **state) {
     // earlier.
     assert_true(at(-50, 3, 20, 12.0f).z < -0.5f);
     struct sun_time east = {2010, 3, 20, 13, 0, 0, 50, 15, 1};
-    const vec3 a = sun_toward(&east), b = at(50, 3, 20, 13.0f);
+    const vec3 a = light_sun_toward(&east), b = at(50, 3, 20, 13.0f);
     assert_true(v3_dist2(a, b) < 1e-5f);
 }
 

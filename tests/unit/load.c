@@ -54,7 +54,7 @@ static void masks_nest(void **state) {
     const struct texture_lookup at = {.width = 0.0f};
     for (int i = 0; i < 8; i++) {
         const struct material *m = &scene->material[i];
-        assert_true(fabsf(material_opacity(m, &at) - opacity[i]) < 1e-6f);
+        assert_true(fabsf(scene_opacity_material(m, &at) - opacity[i]) < 1e-6f);
         assert_int_equal(m->front.holes, i != 5);
         assert_int_equal(m->back.holes, m->front.holes);
         assert_int_equal(m->two_sided, i == 2);
@@ -449,8 +449,8 @@ static void a_raw_constant_is_read(void **state) {
                        "</shape>"));
     assert_non_null(scene);
     const struct texture *texture = scene->material[0].front.slot[BRDF_SLOT_DIFFUSE];
-    const struct texture_lookup at = texture_at((vec2){.3f, .7f});
-    const rgb value = texture_eval(texture, &at);
+    const struct texture_lookup at = scene_texture_at((vec2){.3f, .7f});
+    const rgb value = scene_texture_eval(texture, &at);
     assert_true(value.r == .2f && value.g == .4f && value.b == .6f && c.warnings == 0);
     satin_scene_free(scene);
     assert_null(scene_case_load(&c, SCENE_TEXT("<texture type='rawconstant'/>")));

@@ -129,12 +129,13 @@ static void textures_of_version_06_are_read(void **state) {
         "</texture></bsdf></shape></scene>");
     assert_non_null(scene);
     const struct material_side *side = &scene->material[0].front;
-    const struct texture *outer = side->slot[BRDF_SLOT_DIFFUSE], *inner = texture_unscaled(outer);
+    const struct texture *outer = side->slot[BRDF_SLOT_DIFFUSE],
+                         *inner = scene_texture_unscaled(outer);
     assert_true(c.warnings == 0 && outer->kind == TEXTURE_SCALED && inner->kind == TEXTURE_GRID);
     assert_true(inner->to_uv[0] == 4 && inner->to_uv[4] == 4 && inner->scale == .25f);
     assert_true(side->base.diffuse.r == .0625f && side->base.diffuse.g == .03125f);
-    struct texture_lookup at = texture_at((vec2){.125f, .125f});
-    assert_true(texture_eval(outer, &at).g == .125f);
+    struct texture_lookup at = scene_texture_at((vec2){.125f, .125f});
+    assert_true(scene_texture_eval(outer, &at).g == .125f);
     satin_scene_free(scene);
     static const char *const bad[][2] = {
         {"<texture type='scale'/>", "texture 'scale' takes one <texture>"},

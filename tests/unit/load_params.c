@@ -55,7 +55,7 @@ static satin_status read_params(struct scene_case *c, const char *body, struct l
     uint64_t hash = FILEIO_HASH;
     struct log log = scene_case_begin(c);
     assert_int_equal(load_xml_read(log, "scene.xml", false, NULL, 0, &hash, xml), SATIN_OK);
-    return params_read((struct param_source){log, xml, NULL}, &plugin, xml->root->last, out);
+    return load_params_read((struct param_source){log, xml, NULL}, &plugin, xml->root->last, out);
 }
 
 #define MUST "<float name='must' value='0'/>"
@@ -74,13 +74,13 @@ static void missing_parameters_have_their_defaults(void **state) {
     struct load_xml xml;
     struct params p;
     assert_int_equal(read_params(&c, MUST, &xml, &p), SATIN_OK);
-    assert_true(param(&p, "flag")->b && param(&p, "count")->i == 7);
-    assert_true(param(&p, "size")->f == 0.5f && param(&p, "choice")->i == 1);
-    assert_string_equal(param(&p, "text")->s, "t");
-    assert_true(param(&p, "point")->v.z == 3 && param(&p, "colour")->color.g == 0.25f);
-    assert_true(fabsf(param(&p, "ior")->f - 1.5046f) < 1e-6f);
-    assert_false(param(&p, "light")->given);
-    assert_true(param(&p, "must")->given);
+    assert_true(load_param(&p, "flag")->b && load_param(&p, "count")->i == 7);
+    assert_true(load_param(&p, "size")->f == 0.5f && load_param(&p, "choice")->i == 1);
+    assert_string_equal(load_param(&p, "text")->s, "t");
+    assert_true(load_param(&p, "point")->v.z == 3 && load_param(&p, "colour")->color.g == 0.25f);
+    assert_true(fabsf(load_param(&p, "ior")->f - 1.5046f) < 1e-6f);
+    assert_false(load_param(&p, "light")->given);
+    assert_true(load_param(&p, "must")->given);
     load_xml_free(&xml);
 }
 
@@ -100,12 +100,12 @@ static void values_are_read(void **state) {
                                       "<string name='ior' value='Water'/><bsdf type='x'/>",
                                  &xml, &p),
                      SATIN_OK);
-    assert_true(!param(&p, "flag")->b && param(&p, "count")->i == 12);
-    assert_true(param(&p, "size")->f == 1.0f && param(&p, "choice")->i == 0);
-    assert_true(param(&p, "point")->v.y == 20 && param(&p, "point")->v.z == 0.5f);
-    assert_ptr_equal(param(&p, "colour")->texture, xml.root->child);
-    assert_true(fabsf(rgb_luminance(param(&p, "light")->color) - 2.0f) < 1e-3f);
-    assert_true(param(&p, "ior")->f == 1.333f);
+    assert_true(!load_param(&p, "flag")->b && load_param(&p, "count")->i == 12);
+    assert_true(load_param(&p, "size")->f == 1.0f && load_param(&p, "choice")->i == 0);
+    assert_true(load_param(&p, "point")->v.y == 20 && load_param(&p, "point")->v.z == 0.5f);
+    assert_ptr_equal(load_param(&p, "colour")->texture, xml.root->child);
+    assert_true(fabsf(rgb_luminance(load_param(&p, "light")->color) - 2.0f) < 1e-3f);
+    assert_true(load_param(&p, "ior")->f == 1.333f);
     load_xml_free(&xml);
 }
 
@@ -145,7 +145,7 @@ static void colours_are_read(void **state) {
         struct load_xml xml;
         struct params p;
         assert_int_equal(read_besides(&c, cases[i].text, &xml, &p), SATIN_OK);
-        rgb d = rgb_sub(param(&p, "colour")->color, cases[i].color);
+        rgb d = rgb_sub(load_param(&p, "colour")->color, cases[i].color);
         assert_true(fabsf(d.r) < 2e-6f && fabsf(d.g) < 2e-6f && fabsf(d.b) < 2e-6f);
         load_xml_free(&xml);
     }
@@ -164,7 +164,7 @@ static void colours_count_as_their_mean(void **state) {
         struct load_xml xml;
         struct params p;
         assert_int_equal(read_besides(&c, cases[i], &xml, &p), SATIN_OK);
-        assert_true(fabsf(param(&p, "fraction")->f - .5333333f) < 1e-6f);
+        assert_true(fabsf(load_param(&p, "fraction")->f - .5333333f) < 1e-6f);
         load_xml_free(&xml);
     }
 }
@@ -190,7 +190,7 @@ static void the_value_of_a_texture_is_a_number_or_a_colour(void **state) {
         struct params p;
         satin_status status = read_besides(&c, cases[i].text, &xml, &p);
         assert_int_equal(status, cases[i].value > 0.0f ? SATIN_OK : SATIN_ERROR_INPUT);
-        if (status == SATIN_OK) assert_true(param(&p, "texel")->color.g == cases[i].value);
+        if (status == SATIN_OK) assert_true(load_param(&p, "texel")->color.g == cases[i].value);
         load_xml_free(&xml);
     }
 }

@@ -12,11 +12,11 @@ static void spectrum_files_are_read(void **state) {
     uint64_t hash = FILEIO_HASH;
     scene_case_file("a.spd", "# measured\n400 0.2\r\n500\t0.5 # here\n\n550 .7\n700 0.9");
     struct log log = scene_case_begin(&c);
-    assert_int_equal(spectrum_read(log, (struct log_place){0}, "a.spd", &hash, &spectrum),
+    assert_int_equal(load_spectrum_read(log, (struct log_place){0}, "a.spd", &hash, &spectrum),
                      SATIN_OK);
     assert_int_equal(spectrum.count, 4);
     assert_true(spectrum.wavelength[2] == 550 && spectrum.value[3] == 0.9 && hash != FILEIO_HASH);
-    spectrum_free(&spectrum);
+    scene_spectrum_free(&spectrum);
 }
 
 static void bad_spectrum_files_are_refused(void **state) {
@@ -32,7 +32,7 @@ static void bad_spectrum_files_are_refused(void **state) {
         struct spectrum spectrum = {0};
         scene_case_file("a.spd", cases[i][0]);
         struct log log = scene_case_begin(&c);
-        assert_int_equal(spectrum_read(log, (struct log_place){0}, "a.spd", NULL, &spectrum),
+        assert_int_equal(load_spectrum_read(log, (struct log_place){0}, "a.spd", NULL, &spectrum),
                          SATIN_ERROR_INPUT);
         assert_string_equal(c.error, cases[i][1]);
         assert_true(c.errors == 1 && !spectrum.count);

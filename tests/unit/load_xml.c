@@ -31,7 +31,7 @@ static void elements_keep_their_order_and_lines(void **state) {
     assert_int_equal(shape->place.line, 2);
     assert_int_equal(shape->place.column, 3);
     assert_int_equal(shape->child->tag, XML_FLOAT);
-    assert_string_equal(xml_get(shape->child, "value"), "2");
+    assert_string_equal(load_xml_get(shape->child, "value"), "2");
     assert_int_equal(shape->child->next->tag, XML_REF);
     assert_int_equal(shape->child->next->place.line, 4);
     assert_null(shape->child->next->next);

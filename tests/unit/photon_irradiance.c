@@ -37,7 +37,7 @@ static void radius_does_not_follow_noise(void **state) {
         const vec2 u = sample_sobol2((uint32_t)i, 0);
         const float h = i & 1 ? 1.0f : -1.0f;
         const vec3 p = v3(1.8f * u.x - 0.9f, 1.8f * u.y - 0.9f, h);
-        E[i] = photon_irradiance(maps, &t.scene, p, v3(0, 0, -h), &radius[i], NULL).g;
+        E[i] = photon_irradiance_at(maps, &t.scene, p, v3(0, 0, -h), &radius[i], NULL).g;
         sorted[i] = radius[i];
         all += (double)E[i] / (2.0 * M_PI * POINTS);
     }

@@ -112,7 +112,7 @@ struct wall_point {
     vec3 p, n;
 };
 
-static struct wall_point wall_point(int wall, int zone, vec2 u) {
+static struct wall_point point_of_wall(int wall, int zone, vec2 u) {
     float x = zone == INSIDE ? (2.0f * u.x - 1.0f) * (1.0f - MARGIN) : 1.0f - MARGIN * u.x,
           y = zone == CORNER ? 1.0f - MARGIN * u.y : (2.0f * u.y - 1.0f) * (1.0f - MARGIN);
     if (wall >= 6 && zone != INSIDE) x = -x;
@@ -132,11 +132,11 @@ static void furnace_error(const struct test_scene *t, const struct photon_maps *
         error[zone] = -1.0;
         for (int i = 0; i < 12 * POINTS; i++) {
             struct wall_point at =
-                wall_point(i / POINTS, zone, sample_sobol2((uint32_t)i, (uint32_t)zone));
+                point_of_wall(i / POINTS, zone, sample_sobol2((uint32_t)i, (uint32_t)zone));
             struct frame frame = frame_from_normal(at.n);
             float radius;
             rgb E = precomputed
-                        ? photon_irradiance(maps, &t->scene, at.p, at.n, &radius, NULL)
+                        ? photon_irradiance_at(maps, &t->scene, at.p, at.n, &radius, NULL)
                         : rgb_scale(photon_radiance(maps, &t->scene, at.p, at.n, &frame, &white,
                                                     v3(0, 0, 1), BRDF_SMOOTH, &radius),
                                     PI_F);
@@ -198,8 +198,8 @@ static void the_sides_of_a_sheet_are_apart(void **state) {
         vec2 u = sample_sobol2(i, 1);
         vec3 p = v3(0.2f * (u.x - 0.5f), 0.2f * (u.y - 0.5f), 0.0f);
         float radius;
-        up += photon_irradiance(maps, &t.scene, p, v3(0, 0, 1), &radius, NULL).g / 64.0;
-        down += photon_irradiance(maps, &t.scene, p, v3(0, 0, -1), &radius, NULL).g / 64.0;
+        up += photon_irradiance_at(maps, &t.scene, p, v3(0, 0, 1), &radius, NULL).g / 64.0;
+        down += photon_irradiance_at(maps, &t.scene, p, v3(0, 0, -1), &radius, NULL).g / 64.0;
     }
     assert_true(fabs(up / 2.5 - 1.0) < 0.05);
     assert_true(down == 0.0);
@@ -235,7 +235,7 @@ static void walls_do_not_leak(void **state) {
         assert_true(fabs(lit.g / (0.5 * M_SQRT1_2 / M_PI) - 1.0) < 0.6);
         assert_true(dark.g < 0.01 * M_SQRT1_2 / M_PI);
         // Precomputed entries give nothing either: none is near on the dark side.
-        rgb E = photon_irradiance(maps, &t.scene, v3(-0.02f, y, 0), v3(0, 0, 1), &radius, NULL);
+        rgb E = photon_irradiance_at(maps, &t.scene, v3(-0.02f, y, 0), v3(0, 0, 1), &radius, NULL);
         assert_true(E.g < 0.01 * M_SQRT1_2);
     }
     photon_maps_free(maps);
@@ -420,7 +420,8 @@ static void empty_maps_are_black(void **state) {
     struct brdf b = t.material[0].front.base;
     vec3 p = v3(0, 0, 0), n = v3(0, 0, 1);
     float radius = 1.0f;
-    assert_true(rgb_black(photon_irradiance(maps, &t.scene, p, n, &radius, NULL)) && isinf(radius));
+    assert_true(rgb_black(photon_irradiance_at(maps, &t.scene, p, n, &radius, NULL)) &&
+                isinf(radius));
     radius = 1.0f;
     assert_true(
         rgb_black(photon_radiance(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, &radius)));
@@ -447,7 +448,7 @@ static void threads_do_not_change_the_maps(void **state) {
         struct brdf b = t.material[0].front.base;
         vec3 p = v3(0.6f, -0.05f, 0), n = v3(0, 0, 1);
         float r;
-        known[run][0] = photon_irradiance(maps, &t.scene, p, n, &r, NULL);
+        known[run][0] = photon_irradiance_at(maps, &t.scene, p, n, &r, NULL);
         known[run][1] = photon_radiance(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, &r);
         known[run][2] =
             photon_caustic(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, PHOTON_ALONE);

@@ -26,7 +26,7 @@ static struct shading_point furnace_point(const struct test_scene *t, int i, boo
     struct interaction s;
     struct shading_point point;
     assert_true(scene_intersect(&t->scene, &ray, &s));
-    shading_point_make(&t->scene, &s, ray.d, &point);
+    scene_shading_point_make(&t->scene, &s, ray.d, &point);
     return point;
 }
 

@@ -216,9 +216,9 @@ static void the_matrix_of_the_film_is_that_of_its_rays(void **state) {
     for (int i = 0; i < 5; i++) {
         const float s = 0.1f + 0.2f * (float)i, t = 0.9f - 0.15f * (float)i;
         const struct ray ray =
-            camera_ray(&shifted, &shifted.camera,
-                       (vec2){s * (float)shifted.film.width, t * (float)shifted.film.height},
-                       (vec2){0.5f, 0.5f}, NULL);
+            scene_camera_ray(&shifted, &shifted.camera,
+                             (vec2){s * (float)shifted.film.width, t * (float)shifted.film.height},
+                             (vec2){0.5f, 0.5f}, NULL);
         const vec3 point = v3_mad(ray.o, 0.5f + (float)i, ray.d);
         const float row[4] = {point.x, point.y, point.z, 1.0f};
         float out[4] = {0};

@@ -24,23 +24,23 @@ static void render_adaptive_sampling_take(struct adaptive_sampling *adapt, uint6
         while (p->count < p->target) {
             struct rng rng = rng_make(seed, RNG_TEST, (uint64_t)i << 32 | p->count);
             float e = render_adaptive_sampling_noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
-            adaptive_add(p, rgb_grey(1.0f + e), 0.0f);
+            render_adaptive_add(p, rgb_grey(1.0f + e), 0.0f);
         }
     }
-    adaptive_compare(adapt);
+    render_adaptive_compare(adapt);
 }
 
 // Renders with ALL samples per pixel on average; returns how many were taken.
 static uint64_t render_adaptive_sampling_render(struct adaptive_sampling *adapt, uint64_t seed) {
-    assert_true(adaptive_make(adapt, SIZE, SIZE, 4));
+    assert_true(render_adaptive_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= EQUAL; n *= 2) {
-        adaptive_equal(adapt, 1, n);
+        render_adaptive_equal(adapt, 1, n);
         render_adaptive_sampling_take(adapt, seed);
     }
     uint64_t taken = (uint64_t)EQUAL * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
     while (taken < all) {
         uint64_t want = taken < all - taken ? taken : all - taken;
-        adaptive_distribute(adapt, want);
+        render_adaptive_distribute(adapt, want);
         taken += want;
         render_adaptive_sampling_take(adapt, seed);
     }
@@ -81,7 +81,7 @@ static void samples_go_to_the_noise(void **state) {
     assert_true(loud > 4.0 * quiet && loud < 9.0 * quiet);
     // Noise of variance 0.5^2 / 12 over half of the image.
     assert_true(error2(&adapt) < 0.7 * 0.5 * (0.25 / 12.0) / ALL);
-    adaptive_destroy(&adapt);
+    render_adaptive_destroy(&adapt);
 }
 
 static void the_mean_is_kept(void **state) {
@@ -93,7 +93,7 @@ static void the_mean_is_kept(void **state) {
         render_adaptive_sampling_render(&adapt, 100 + seed);
         for (int i = 0; i < SIZE * SIZE; i++)
             sum += (double)adapt.pixel[i].sum.r / adapt.pixel[i].count;
-        adaptive_destroy(&adapt);
+        render_adaptive_destroy(&adapt);
     }
     double mean = sum / (RUNS * SIZE * SIZE);
     // Standard error: 0.5 / sqrt(12 * 2 * 16 * 20 * 64^2) = 9e-5 at most; five of them.
@@ -102,12 +102,13 @@ static void the_mean_is_kept(void **state) {
 
 // An image whose halves agree everywhere but for one pixel by `difference`.
 static void make_quiet(struct adaptive_sampling *adapt, float difference) {
-    assert_true(adaptive_make(adapt, SIZE, SIZE, 4));
+    assert_true(render_adaptive_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= 2; n++) {
-        adaptive_equal(adapt, 1, n);
-        for (int i = 0; i < SIZE * SIZE; i++) adaptive_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
+        render_adaptive_equal(adapt, 1, n);
+        for (int i = 0; i < SIZE * SIZE; i++)
+            render_adaptive_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
-        adaptive_compare(adapt);
+        render_adaptive_compare(adapt);
     }
 }
 
@@ -126,9 +127,9 @@ static void the_number_of_samples_is_kept(void **state) {
         for (uint64_t want = 1; want < 10 * SIZE * SIZE; want = 3 * want + 1) {
             struct adaptive_sampling adapt;
             make_quiet(&adapt, difference[d]);
-            adaptive_distribute(&adapt, want);
+            render_adaptive_distribute(&adapt, want);
             assert_int_equal(count_targets(&adapt), 2 * SIZE * SIZE + want);
-            adaptive_destroy(&adapt);
+            render_adaptive_destroy(&adapt);
         }
 }
 
@@ -143,9 +144,9 @@ static void growth_follows_the_number_of_samples(void **state) {
         for (int i = 0; i < SIZE * SIZE; i++) adapt.pixel[i].count = count[k];
         const struct adaptive_pixel *noisy = &adapt.pixel[SIZE * SIZE / 2 + SIZE / 2];
         adapt.pixel[noisy - adapt.pixel].variance = 1.0f;
-        adaptive_distribute(&adapt, (uint64_t)SIZE * SIZE * count[k]);
+        render_adaptive_distribute(&adapt, (uint64_t)SIZE * SIZE * count[k]);
         assert_in_range(noisy->target, growth[k] * count[k], (growth[k] + 1) * count[k] + 2);
-        adaptive_destroy(&adapt);
+        render_adaptive_destroy(&adapt);
     }
 }
 
@@ -158,13 +159,13 @@ static void faint_noise_does_not_hide_strong_noise(void **state) {
     for (int i = 0; i < SIZE * SIZE; i++)
         adapt.pixel[i].variance = i % SIZE < SIZE / 2 ? 1e-30f : 1e-2f * (float)(1 + i / SIZE);
     const uint64_t want = SIZE * SIZE;
-    adaptive_distribute(&adapt, want);
+    render_adaptive_distribute(&adapt, want);
     assert_int_equal(count_targets(&adapt), 3 * SIZE * SIZE);
     uint64_t quiet = 0;
     for (int i = 0; i < SIZE * SIZE; i++)
         if (i % SIZE < SIZE / 2 - 4) quiet += adapt.pixel[i].target - 2;
     assert_int_equal(quiet, 0);
-    adaptive_destroy(&adapt);
+    render_adaptive_destroy(&adapt);
 }
 
 // Light samples where direct light is noisy, in the number that costs least: on the left the noise
@@ -173,7 +174,7 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
     (void)state;
     enum { LIGHTS = 4, SAMPLES = 256 };
     struct adaptive_sampling adapt;
-    assert_true(adaptive_make(&adapt, SIZE, SIZE, LIGHTS));
+    assert_true(render_adaptive_make(&adapt, SIZE, SIZE, LIGHTS));
     for (int i = 0; i < SIZE * SIZE; i++) {
         struct rng rng = rng_make(3, RNG_TEST, (uint64_t)i);
         const int quarter = i % SIZE / (SIZE / 4);
@@ -182,12 +183,12 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
             // Uniform over a width of a has the variance a^2 / 12.
             const float e =
                 light / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) + rest * (rng_float(&rng) - 0.5f);
-            adaptive_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f);
+            render_adaptive_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f);
         }
     }
-    assert_true(adaptive_light_samples(&adapt) == LIGHTS);
+    assert_true(render_adaptive_light_samples(&adapt) == LIGHTS);
     const float cost = 8.0f;
-    adaptive_lights(&adapt, cost);
+    render_adaptive_lights(&adapt, cost);
     // m^2.5 = 8 * (.5 / .1)^2: 8.3, rounded down. The blur mixes quarters at their borders.
     for (int y = 0; y < SIZE; y++) {
         const struct adaptive_pixel *row = adapt.pixel + y * SIZE;
@@ -196,7 +197,7 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
             assert_true(row[x].light_samples >= 6 && row[x].light_samples <= 11);
         for (int x = 3 * SIZE / 4 + 2; x < SIZE; x++) assert_true(row[x].light_samples == LIGHTS);
     }
-    adaptive_destroy(&adapt);
+    render_adaptive_destroy(&adapt);
 }
 
 // Every pixel of a grid and no other is asked for a sample, by one thread and by three.
@@ -204,21 +205,21 @@ static void first_samples_are_on_a_grid(void **state) {
     (void)state;
     for (int threads = 1; threads <= 3; threads += 2) {
         struct adaptive_sampling adapt;
-        assert_true(adaptive_make(&adapt, 33, 21, 1));
+        assert_true(render_adaptive_make(&adapt, 33, 21, 1));
         adapt.pool = threads > 1 ? parallel_new(threads) : NULL;
         for (int stride = 8; stride > 0; stride /= 2) {
-            adaptive_equal(&adapt, stride, 1);
+            render_adaptive_equal(&adapt, stride, 1);
             for (int i = 0; i < 33 * 21; i++)
                 assert_int_equal(adapt.pixel[i].target,
                                  i % 33 % stride == 0 && i / 33 % stride == 0);
         }
-        adaptive_equal(&adapt, 4, 3);
+        render_adaptive_equal(&adapt, 4, 3);
         assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
-        adaptive_equal(&adapt, 1, 2);
+        render_adaptive_equal(&adapt, 1, 2);
         assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
         assert_int_equal(adapt.pixel[20 * 33 + 31].target, 2);
         parallel_free(adapt.pool);
-        adaptive_destroy(&adapt);
+        render_adaptive_destroy(&adapt);
     }
 }
 

@@ -48,7 +48,7 @@ static void render_sites_start(struct render_sites_fixture *f, int threads) {
         (struct shade){.g = &f->g,
                        .camera = &f->r.scene.camera,
                        .records = cache_reader_make(NULL, &f->tables, &f->r.options)};
-    film_filter_make(&f->scene->film, &f->r.second_pass.shade.filter);
+    scene_film_filter_make(&f->scene->film, &f->r.second_pass.shade.filter);
 }
 
 static void render_sites_stop(struct render_sites_fixture *f) {

@@ -57,7 +57,7 @@ static struct render snapshot_begin(satin_integrator integrator, struct shown *s
 static void show(struct render *r) {
     r->image->aovs = &r->scene.hints.aovs;
     if (r->snapshot) r->snapshot->next = 0.0;
-    render_snapshot(r);
+    render_snapshot_send(r);
 }
 
 static void snapshot_end(struct render *r, struct shown *shown) {
@@ -208,7 +208,7 @@ static void snapshots_come_while_the_image_is_sampled(void **state) {
     assert_int_equal(shown.count, 0);
     show(&r);
     assert_int_equal(shown.count, 1);
-    render_snapshot(&r);
+    render_snapshot_send(&r);
     assert_int_equal(shown.count, 1);
     snapshot_end(&r, &shown);
 }

@@ -52,18 +52,18 @@ static void rays_of_a_pinhole_start_at_the_eye(void **state) {
         "<transform name='to_world'><lookat origin='1 2 3' target='1 2 9' up='0 1 "
         "0'/></transform>" FILM "</sensor>");
     float spread;
-    struct ray r = camera_ray(scene, &scene->camera, (vec2){200, 100}, (vec2){0, 0}, &spread);
+    struct ray r = scene_camera_ray(scene, &scene->camera, (vec2){200, 100}, (vec2){0, 0}, &spread);
     assert_true(r.o.x == 1 && r.o.y == 2 && r.o.z == 3 && r.tnear == 0.5f && r.tfar == 8.0f);
     assert_true(v3_dist2(r.d, v3(0, 0, 1)) < 1e-12f);
     assert_true(fabsf(spread - 2.0f / 400.0f) < 1e-8f);
     // The ray is that of the top left corner, where left is +x and up is +y.
-    r = camera_ray(scene, &scene->camera, (vec2){0, 0}, (vec2){0, 0}, &spread);
+    r = scene_camera_ray(scene, &scene->camera, (vec2){0, 0}, (vec2){0, 0}, &spread);
     vec3 corner = v3_unit(v3(1, 0.5f, 1));
     assert_true(v3_dist2(r.d, corner) < 1e-12f);
     assert_true(fabsf(r.tnear - 0.5f / corner.z) < 1e-6f);
     // The spread is the root of the solid angle of a pixel.
-    struct ray dx = camera_ray(scene, &scene->camera, (vec2){1, 0}, (vec2){0, 0}, NULL),
-               dy = camera_ray(scene, &scene->camera, (vec2){0, 1}, (vec2){0, 0}, NULL);
+    struct ray dx = scene_camera_ray(scene, &scene->camera, (vec2){1, 0}, (vec2){0, 0}, NULL),
+               dy = scene_camera_ray(scene, &scene->camera, (vec2){0, 1}, (vec2){0, 0}, NULL);
     float area = v3_len(v3_cross(v3_sub(dx.d, r.d), v3_sub(dy.d, r.d)));
     assert_true(fabsf(spread * spread - area) < 0.01f * area);
     satin_scene_free(scene);
@@ -79,10 +79,10 @@ static void a_lens_focuses(void **state) {
     struct rng rng = rng_make(1, RNG_TEST, 0);
     for (int i = 0; i < 100; i++) {
         float x = 400 * rng_float(&rng), y = 200 * rng_float(&rng);
-        struct ray a = camera_ray(scene, &scene->camera, (vec2){x, y},
-                                  (vec2){rng_float(&rng), rng_float(&rng)}, NULL);
-        struct ray b = camera_ray(scene, &scene->camera, (vec2){x, y},
-                                  (vec2){rng_float(&rng), rng_float(&rng)}, NULL);
+        struct ray a = scene_camera_ray(scene, &scene->camera, (vec2){x, y},
+                                        (vec2){rng_float(&rng), rng_float(&rng)}, NULL);
+        struct ray b = scene_camera_ray(scene, &scene->camera, (vec2){x, y},
+                                        (vec2){rng_float(&rng), rng_float(&rng)}, NULL);
         vec3 pa = v3_mad(a.o, 3.0f / a.d.z, a.d), pb = v3_mad(b.o, 3.0f / b.d.z, b.d);
         assert_true(v3_dist2(pa, pb) < 1e-11f);
         assert_true(v3_len(a.o) <= 0.2f && a.o.z == 0.0f);
@@ -98,11 +98,11 @@ static void rays_of_an_orthographic_camera_are_parallel(void **state) {
         "<translate z='-4'/></transform><float name='near_clip' value='.5'/>"
         "<float name='far_clip' value='20'/>" FILM "</sensor>");
     float spread;
-    struct ray r = camera_ray(scene, &scene->camera, (vec2){0, 0}, (vec2){0, 0}, &spread);
+    struct ray r = scene_camera_ray(scene, &scene->camera, (vec2){0, 0}, (vec2){0, 0}, &spread);
     assert_true(v3_dist2(r.o, v3(3, 1, -1.5f)) < 1e-12f && v3_dist2(r.d, v3(0, 0, 1)) == 0.0f);
     assert_true(r.tnear == 0.0f && r.tfar == 19.5f);
     assert_true(fabsf(spread * 1.5f - 6.0f / 400.0f) < 1e-6f);  // the middle is at the origin
-    r = camera_ray(scene, &scene->camera, (vec2){100, 100}, (vec2){0, 0}, &spread);
+    r = scene_camera_ray(scene, &scene->camera, (vec2){100, 100}, (vec2){0, 0}, &spread);
     assert_true(v3_dist2(r.o, v3(1.5f, 0, -1.5f)) < 1e-12f);
     satin_scene_free(scene);
 }
@@ -112,11 +112,12 @@ static void samples_are_distributed_evenly_to_all_cameras(void **state) {
     enum { VIEWS = 7, SAMPLES = 700 };
     struct camera view[VIEWS] = {{.tan_x = 0}};
     struct satin_scene scene = {.camera = {.tan_x = 1}};
-    for (uint32_t i = 0; i < 10; i++) assert_ptr_equal(camera_sample(&scene, i), &scene.camera);
+    for (uint32_t i = 0; i < 10; i++)
+        assert_ptr_equal(scene_camera_sample(&scene, i), &scene.camera);
     scene.view = view;
     scene.view_count = VIEWS;
     int count[VIEWS] = {0};
-    for (uint32_t i = 0; i < SAMPLES; i++) count[camera_sample(&scene, i) - view]++;
+    for (uint32_t i = 0; i < SAMPLES; i++) count[scene_camera_sample(&scene, i) - view]++;
     // A sequence by the golden ratio has a discrepancy of about log n / n.
     for (int i = 0; i < VIEWS; i++)
         assert_in_range(count[i], SAMPLES / VIEWS - 5, SAMPLES / VIEWS + 5);

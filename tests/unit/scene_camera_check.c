@@ -68,7 +68,7 @@ static void each_wrong_camera_has_its_reason(void **state) {
                  scene_camera_check_cases[i].scene);
         satin_scene *scene = scene_case_load(&c, text);
         assert_non_null(scene);
-        const bool warned = camera_check(scene, &scene->camera, scene_case_begin(&c));
+        const bool warned = scene_camera_check(scene, &scene->camera, scene_case_begin(&c));
         assert_int_equal(warned, scene_camera_check_cases[i].warning != NULL);
         if (!scene_camera_check_cases[i].warning) {
             assert_int_equal(c.warnings, 0);

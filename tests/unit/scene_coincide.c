@@ -10,8 +10,8 @@ static struct test_scene scene_coincide_table;
 
 static uint32_t find(bool hidden[TEST_SHAPES]) {
     uint32_t found;
-    assert_true(coincide_find(&scene_coincide_table.scene, 0,
-                              scene_coincide_table.scene.shape_count, 0, hidden, &found));
+    assert_true(scene_coincide_find(&scene_coincide_table.scene, 0,
+                                    scene_coincide_table.scene.shape_count, 0, hidden, &found));
     return found;
 }
 

@@ -9,7 +9,7 @@
 
 #include "scene/scene.h"
 
-static float scene_film_filter_value(const struct film_spec *film, float x) {
+static float scene_film_filter_value(const struct scene_film *film, float x) {
     float s = 2 * film->stddev * film->stddev;
     if (film->filter == FILTER_TENT) return fmaxf(film->radius - fabsf(x), 0);
     if (film->filter == FILTER_GAUSSIAN)
@@ -21,10 +21,11 @@ static float scene_film_filter_value(const struct film_spec *film, float x) {
 // where the window cuts the filter.
 static void filter_samples_are_distributed(void **state) {
     (void)state;
-    const struct film_spec films[] = {{.filter = FILTER_BOX, .radius = 0.5f},
-                                      {.filter = FILTER_TENT, .radius = 1.5f},
-                                      {.filter = FILTER_GAUSSIAN, .radius = 2.0f, .stddev = 0.5f},
-                                      {.filter = FILTER_GAUSSIAN, .radius = 12.0f, .stddev = 3.0f}};
+    const struct scene_film films[] = {
+        {.filter = FILTER_BOX, .radius = 0.5f},
+        {.filter = FILTER_TENT, .radius = 1.5f},
+        {.filter = FILTER_GAUSSIAN, .radius = 2.0f, .stddev = 0.5f},
+        {.filter = FILTER_GAUSSIAN, .radius = 12.0f, .stddev = 3.0f}};
     enum { COUNT = 2000, STEPS = 4000 };
     for (int f = 0; f < 4; f++)
         for (int c = 0; c < 3; c++) {
@@ -39,7 +40,7 @@ static void filter_samples_are_distributed(void **state) {
             int below = 0;
             for (int i = 0; i < COUNT; i++) {
                 float u = ((float)i + 0.5f) / COUNT;
-                float x = centre + film_filter_sample(&films[f], centre, 0, 100, u);
+                float x = centre + scene_film_filter_sample(&films[f], centre, 0, 100, u);
                 assert_true(x >= 0 && x < 100);
                 below += x < at;
             }
@@ -51,10 +52,10 @@ static void filter_samples_are_distributed(void **state) {
 
 static void filter_samples_stay_inside(void **state) {
     (void)state;
-    const struct film_spec film = {.filter = FILTER_BOX, .radius = 0.5f};
+    const struct scene_film film = {.filter = FILTER_BOX, .radius = 0.5f};
     const float ends[] = {0.0f, 0.5f, 0x1.fffffep-1f};
     for (int i = 0; i < 3; i++) {
-        float x = 4095.5f + film_filter_sample(&film, 4095.5f, 4095, 4096, ends[i]);
+        float x = 4095.5f + scene_film_filter_sample(&film, 4095.5f, 4095, 4096, ends[i]);
         assert_true(x >= 4095 && x < 4096);
     }
 }
@@ -64,7 +65,7 @@ static void lobes_agree_with_mitsuba(void **state) {
     (void)state;
     static const float at[6] = {0, .5f, 1.1f, 1.5f, 1.9f, 2.5f};
     static const struct {
-        struct film_spec film;
+        struct scene_film film;
         float value[6];
     } known[] = {
         {{.filter = FILTER_CUBIC, .radius = 2, .b = 1 / 3.f, .c = 1 / 3.f},
@@ -74,8 +75,8 @@ static void lobes_agree_with_mitsuba(void **state) {
         {{.filter = FILTER_LANCZOS, .radius = 3}, {1, .6079f, -.0709f, -.1351f, -.0238f, .0243f}},
         {{.filter = FILTER_LANCZOS, .radius = 2}, {1, .5732f, -.0511f, -.0637f, -.0027f, 0}}};
     for (int f = 0; f < 4; f++) {
-        struct film_filter filter;
-        film_filter_make(&known[f].film, &filter);
+        struct scene_film_filter filter;
+        scene_film_filter_make(&known[f].film, &filter);
         float step = 2.0f * known[f].film.radius / FILM_FILTER_STEPS;
         for (int i = 0; i < 6; i++) {
             if (at[i] >= known[f].film.radius) continue;
@@ -91,19 +92,19 @@ static void lobes_agree_with_mitsuba(void **state) {
 // 1 and of a test function are the integrals.
 static void lobes_are_weighted(void **state) {
     (void)state;
-    const struct film_spec films[] = {{.filter = FILTER_CUBIC, .radius = 2, .c = .5f},
-                                      {.filter = FILTER_LANCZOS, .radius = 3}};
+    const struct scene_film films[] = {{.filter = FILTER_CUBIC, .radius = 2, .c = .5f},
+                                       {.filter = FILTER_LANCZOS, .radius = 3}};
     enum { COUNT = 20000 };
     for (int f = 0; f < 2; f++) {
-        struct film_filter filter;
-        film_filter_make(&films[f], &filter);
+        struct scene_film_filter filter;
+        scene_film_filter_make(&films[f], &filter);
         for (int c = 0; c < 3; c++) {
             const float centre = (float[]){0.5f, 50.5f, 98.5f}[c];
             double ones = 0.0, mean = 0.0, total = 0.0, exact = 0.0;
             int negative = 0;
             for (int i = 0; i < COUNT; i++) {
                 float u = ((float)i + 0.5f) / COUNT;
-                struct film_offset o = film_filter_offset(&filter, centre, 0, 100, u);
+                struct scene_film_offset o = scene_film_filter_offset(&filter, centre, 0, 100, u);
                 assert_true(centre + o.x >= 0 && centre + o.x < 100);
                 ones += (double)o.weight / COUNT;
                 mean += (double)(o.weight * cosf(o.x + 0.3f)) / COUNT;

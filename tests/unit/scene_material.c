@@ -96,7 +96,7 @@ static void holes_are_no_components(void **state) {
     int count = 0;
     for (int i = 0; i < DRAWS; i++) {
         s.p = v3((float)i * 0.37f, 1.0f, 2.0f);
-        const struct material_side *side = scene_component(&scene, &s, v3(0, 0, 1));
+        const struct material_side *side = scene_draw_component(&scene, &s, v3(0, 0, 1));
         assert_ptr_not_equal(side, &leaf[2]);
         count += side == &leaf[0];
     }
@@ -130,7 +130,7 @@ static void blends_draw_their_components(void **state) {
     int count[3] = {0};
     for (int i = 0; i < DRAWS; i++) {
         s.p = v3((float)i * 0.37f, 1.0f, 2.0f);
-        count[scene_component(&scene, &s, v3(0, 0, 1)) - leaf]++;
+        count[scene_draw_component(&scene, &s, v3(0, 0, 1)) - leaf]++;
     }
     for (int i = 0; i < 3; i++)
         assert_true(fabsf((float)count[i] / DRAWS - want[i]) < 4.0f * sqrtf(0.25f / DRAWS));

@@ -6,11 +6,11 @@
 #include "base/sampling.h"
 #include "mesh_case.h"
 
-static struct quadric scene_quadric_make(enum shape_kind kind, struct mat4 m, bool flip) {
+static struct quadric quadric_of_kind(enum shape_kind kind, struct mat4 m, bool flip) {
     struct shape shape = {.kind = kind, .flip_normals = flip};
     struct quadric q;
     assert_true(scene_shape_transform(&shape, &m));
-    assert_true(quadric_make(&shape, 3, &q));
+    assert_true(scene_quadric_make(&shape, 3, &q));
     assert_int_equal(q.shape, 3);
     return q;
 }
@@ -39,9 +39,9 @@ static void rays_hit_quadrics_exactly(void **state) {
         struct mat4 move = mat4_translate(v3(3 * rng_float(&rng), 0, 2)), m;
         m = mat4_mul(&rotation, &scale);
         m = mat4_mul(&move, &m);
-        struct quadric q = scene_quadric_make(kind, m, i & 2);
+        struct quadric q = quadric_of_kind(kind, m, i & 2);
         vec3 lo, hi;
-        quadric_bounds(&q, &lo, &hi);
+        scene_quadric_bounds(&q, &lo, &hi);
         int hits = 0;
         for (int k = 0; k < 200; k++) {
             float far = k & 1 ? 1000.0f : 3.0f;
@@ -49,10 +49,10 @@ static void rays_hit_quadrics_exactly(void **state) {
             vec3 d = sample_uniform_sphere(rng_float(&rng), rng_float(&rng));
             struct ray ray = {v3_mad(target, -far, d), 0.0f, d, INFINITY};
             float t;
-            if (!quadric_intersect(&q, ray.o, ray.d, 0.0f, INFINITY, &t)) continue;
+            if (!scene_quadric_intersect(&q, ray.o, ray.d, 0.0f, INFINITY, &t)) continue;
             hits++;
             struct interaction s2;
-            quadric_interaction(&q, &ray, t, k & 2, &s2);
+            scene_quadric_interaction(&q, &ray, t, k & 2, &s2);
             assert_true(off_surface(kind, &m, s2.p) < 4e-6);
             assert_near3(v3_mad(ray.o, t, ray.d), s2.p, 4e-7f * far + 2e-5f);
             assert_float_equal(v3_len(s2.ng), 1.0f, 1e-6f);
@@ -62,8 +62,8 @@ static void rays_hit_quadrics_exactly(void **state) {
             assert_true(s2.p.x <= hi.x && s2.p.y <= hi.y && s2.p.z <= hi.z);
             // It is the nearest crossing, and the limits are respected.
             float other;
-            assert_false(quadric_intersect(&q, ray.o, ray.d, 0.0f, t * 0.99999f, &other));
-            if (quadric_intersect(&q, ray.o, ray.d, t * 1.00001f, INFINITY, &other))
+            assert_false(scene_quadric_intersect(&q, ray.o, ray.d, 0.0f, t * 0.99999f, &other));
+            if (scene_quadric_intersect(&q, ray.o, ray.d, t * 1.00001f, INFINITY, &other))
                 assert_true(other > t);
         }
         assert_true(hits > 50);
@@ -80,14 +80,14 @@ static void scene_quadric_faces_as_mitsuba(void **state) {
             struct ray down = {{0.3f, 0.2f, 5}, 0, {0, 0, -1}, INFINITY};
             struct ray side = {{5, 0.2f, 0.5f}, 0, {-1, 0, 0}, INFINITY};
             struct interaction s;
-            struct quadric sphere = scene_quadric_make(SHAPE_SPHERE, m, flip);
-            quadric_interaction(&sphere, &down, 4, false, &s);
+            struct quadric sphere = quadric_of_kind(SHAPE_SPHERE, m, flip);
+            scene_quadric_interaction(&sphere, &down, 4, false, &s);
             assert_true((s.ng.z > 0) == (mirror == flip));
-            struct quadric disk = scene_quadric_make(SHAPE_DISK, m, flip);
-            quadric_interaction(&disk, &down, 5, false, &s);
+            struct quadric disk = quadric_of_kind(SHAPE_DISK, m, flip);
+            scene_quadric_interaction(&disk, &down, 5, false, &s);
             assert_true((s.ng.z > 0) == !flip);
-            struct quadric cylinder = scene_quadric_make(SHAPE_CYLINDER, m, flip);
-            quadric_interaction(&cylinder, &side, 4, false, &s);
+            struct quadric cylinder = quadric_of_kind(SHAPE_CYLINDER, m, flip);
+            scene_quadric_interaction(&cylinder, &side, 4, false, &s);
             assert_true((s.ng.x > 0) == !flip);
         }
 }
@@ -99,11 +99,11 @@ static void flat_transforms_are_refused(void **state) {
     struct quadric q;
     assert_false(scene_shape_transform(&shape, &flat));
     shape.to_world = mat4_identity();
-    assert_false(quadric_make(&shape, 0, &q));  // no radius
+    assert_false(scene_quadric_make(&shape, 0, &q));  // no radius
     shape.kind = SHAPE_DISK;
-    assert_true(quadric_make(&shape, 0, &q));
+    assert_true(scene_quadric_make(&shape, 0, &q));
     shape.to_world = flat;
-    assert_false(quadric_make(&shape, 0, &q));
+    assert_false(scene_quadric_make(&shape, 0, &q));
 }
 
 int main(void) {

@@ -12,9 +12,9 @@ static rgb scene_spectrum_convert(const char *text, bool light) {
     struct scene_case c;
     struct spectrum spectrum;
     struct log_place place = {"scene.xml", 1, 1};
-    assert_int_equal(spectrum_parse(scene_case_begin(&c), place, text, &spectrum), SATIN_OK);
-    rgb out = spectrum_to_rgb(&spectrum, light);
-    spectrum_free(&spectrum);
+    assert_int_equal(load_spectrum_parse(scene_case_begin(&c), place, text, &spectrum), SATIN_OK);
+    rgb out = scene_spectrum_to_rgb(&spectrum, light);
+    scene_spectrum_free(&spectrum);
     return out;
 }
 
@@ -33,9 +33,11 @@ static void spectra_become_colours(void **state) {
 // The colours are those of Mitsuba's spectral mode, summed over wavelengths against the observer.
 static void black_bodies_have_their_colour(void **state) {
     (void)state;
-    scene_spectrum_expect(spectrum_blackbody(3000, 360, 830), 733.11077f, 349.56845f, 112.70958f);
-    scene_spectrum_expect(spectrum_blackbody(5000, 360, 830), 15263.024f, 12082.561f, 9592.5612f);
-    assert_true(rgb_black(spectrum_blackbody(1, 360, 830)));
+    scene_spectrum_expect(scene_spectrum_blackbody(3000, 360, 830), 733.11077f, 349.56845f,
+                          112.70958f);
+    scene_spectrum_expect(scene_spectrum_blackbody(5000, 360, 830), 15263.024f, 12082.561f,
+                          9592.5612f);
+    assert_true(rgb_black(scene_spectrum_blackbody(1, 360, 830)));
 }
 
 int main(void) {

@@ -18,13 +18,13 @@ static struct texture scene_texture_bitmap(enum texture_wrap wrap, bool nearest)
 }
 
 static rgb eval(const struct texture *texture, vec2 uv) {
-    struct texture_lookup at = texture_at(uv);
-    return texture_eval(texture, &at);
+    struct texture_lookup at = scene_texture_at(uv);
+    return scene_texture_eval(texture, &at);
 }
 
-static float scene_texture_number(const struct texture *texture, vec2 uv) {
-    struct texture_lookup at = texture_at(uv);
-    return texture_number(texture, &at);
+static float number_at(const struct texture *texture, vec2 uv) {
+    struct texture_lookup at = scene_texture_at(uv);
+    return scene_texture_number(texture, &at);
 }
 
 static void scene_texture_agrees_with_mitsuba(void **state) {
@@ -74,8 +74,7 @@ static void squares_of_a_checkerboard_alternate(void **state) {
     for (int i = 0; i < 9; i++) {
         rgb c = eval(&t, uv[i]);
         assert_true(c.r == (float)first[i] && c.g == (float)!first[i]);
-        assert_true(scene_texture_number(&t, uv[i]) ==
-                    rgb_mean(first[i] ? green.value : red.value));
+        assert_true(number_at(&t, uv[i]) == rgb_mean(first[i] ? green.value : red.value));
     }
 }
 
@@ -92,17 +91,18 @@ static void checkerboards_nest(void **state) {
     assert_true(eval(&outer, (vec2){.05f, .05f}).r == 1.0f);
     assert_true(eval(&outer, (vec2){.2f, .05f}).g == 1.0f);
     assert_true(eval(&outer, (vec2){.6f, .1f}).r == 2.0f);
-    assert_true(scene_texture_number(&outer, (vec2){.3f, .4f}) == 5.0f);
-    assert_true(scene_texture_number(&outer, (vec2){.55f, .05f}) == rgb_mean(green.value));
-    assert_true(scene_texture_number(&outer, (vec2){.7f, .05f}) == rgb_mean(red.value));
+    assert_true(number_at(&outer, (vec2){.3f, .4f}) == 5.0f);
+    assert_true(number_at(&outer, (vec2){.55f, .05f}) == rgb_mean(green.value));
+    assert_true(number_at(&outer, (vec2){.7f, .05f}) == rgb_mean(red.value));
     float lo, hi;
-    assert_true(texture_range(&outer, &lo, &hi) && lo == 0.0f && hi == 11.0f);
+    assert_true(scene_texture_range(&outer, &lo, &hi) && lo == 0.0f && hi == 11.0f);
     struct texture smooth = scene_texture_bitmap(TEXTURE_REPEAT, false);
     const struct texture map = {
         .kind = TEXTURE_CHECKERBOARD, .to_uv = {1, 0, 0, 0, 1, 0}, .check = {&red, &smooth}};
-    vec2 at = {.3f, .2f}, own = texture_gradient(&smooth, at), seen = texture_gradient(&map, at);
+    vec2 at = {.3f, .2f}, own = scene_texture_gradient(&smooth, at),
+         seen = scene_texture_gradient(&map, at);
     assert_true(own.x == seen.x && own.y == seen.y && own.x != 0.0f);
-    assert_true(texture_gradient(&map, (vec2){.6f, .2f}).x == 0.0f);
+    assert_true(scene_texture_gradient(&map, (vec2){.6f, .2f}).x == 0.0f);
 }
 
 // Repetition has period 1, mirroring period 2 and symmetry, clamping is constant outside; and no
@@ -143,14 +143,14 @@ static void gradients_agree_with_differences(void **state) {
     int close = 0;
     for (int i = 0; i < 100; i++) {
         vec2 p = {0.013f + (float)i * 0.01f, 0.71f - (float)i * 0.007f};
-        vec2 g = texture_gradient(&t, p);
+        vec2 g = scene_texture_gradient(&t, p);
         float dx = eval(&t, (vec2){p.x + h, p.y}).r - eval(&t, (vec2){p.x - h, p.y}).r;
         float dy = eval(&t, (vec2){p.x, p.y + h}).r - eval(&t, (vec2){p.x, p.y - h}).r;
         close += fabsf(dx - 2 * h * g.x) < 1e-4f && fabsf(dy - 2 * h * g.y) < 1e-4f;
     }
     assert_true(close > 90);  // the others straddle the middle of a texel
     t.nearest = true;
-    assert_true(texture_gradient(&t, (vec2){.3f, .3f}).x == 0.0f);
+    assert_true(scene_texture_gradient(&t, (vec2){.3f, .3f}).x == 0.0f);
 }
 
 static void textures_have_three_channels_or_one_value(void **state) {
@@ -165,9 +165,9 @@ static void textures_have_three_channels_or_one_value(void **state) {
     assert_true(eval(&constant, (vec2){NAN, 3}).g == 8.0f);
     float lo, hi;
     t.image = &two;
-    assert_true(texture_range(&t, &lo, &hi));
+    assert_true(scene_texture_range(&t, &lo, &hi));
     assert_true(lo == rgb_luminance(rgb_make(1, 2, 3)) && hi == rgb_luminance(rgb_make(4, 5, 6)));
-    assert_true(texture_range(&constant, &lo, &hi) && lo == hi);
+    assert_true(scene_texture_range(&constant, &lo, &hi) && lo == hi);
 }
 
 // Numbers and colours of corners are interpolated, those of triangles are not.
@@ -181,12 +181,13 @@ static void attributes_are_interpolated(void **state) {
     const struct mesh mesh = {.index = index, .attribute = attribute, .attribute_count = 2};
     struct texture t = {.kind = TEXTURE_ATTRIBUTE, .attribute = heat, .scale = 2.0f};
     struct texture_lookup at = {.mesh = &mesh, .prim = 1, .bary = {0.25f, 0.5f}};
-    assert_float_equal(texture_number(&t, &at), 2.0f * (0.25f * 4 + 0.25f * 2 + 0.5f * 8), 1e-5f);
+    assert_float_equal(scene_texture_number(&t, &at), 2.0f * (0.25f * 4 + 0.25f * 2 + 0.5f * 8),
+                       1e-5f);
     t.attribute = tint;
-    rgb c = texture_eval(&t, &at);
+    rgb c = scene_texture_eval(&t, &at);
     assert_true(c.r == 8.0f && c.g == 10.0f && c.b == 12.0f);
     t.attribute = none;
-    assert_true(rgb_black(texture_eval(&t, &at)));
+    assert_true(rgb_black(scene_texture_eval(&t, &at)));
     t.attribute = heat;
     assert_true(rgb_black(eval(&t, (vec2){0.5f, 0.5f})));
 }
@@ -215,18 +216,18 @@ static void wide_footprints_are_averaged(void **state) {
         for (int k = 0; k < count; k++) sum += (double)t.level[i].texel[k] / count;
         assert_float_equal(sum, mean, 1e-6);
     }
-    struct texture_lookup at = texture_at((vec2){0.5f / 6, 0.5f / 3});
-    float sharp = texture_eval(&t, &at).r;
+    struct texture_lookup at = scene_texture_at((vec2){0.5f / 6, 0.5f / 3});
+    float sharp = scene_texture_eval(&t, &at).r;
     at.width = 1.0f / t.texels;
-    assert_true(texture_eval(&t, &at).r == sharp);
+    assert_true(scene_texture_eval(&t, &at).r == sharp);
     at.width = 2.0f / t.texels;
-    assert_float_equal(texture_eval(&t, &at).r, t.level[0].texel[0], 1e-6f);
+    assert_float_equal(scene_texture_eval(&t, &at).r, t.level[0].texel[0], 1e-6f);
     at.width = INFINITY;
-    assert_float_equal(texture_eval(&t, &at).r, mean, 1e-6);
+    assert_float_equal(scene_texture_eval(&t, &at).r, mean, 1e-6);
     at.width = 2.0f / t.texels * sqrtf(2.0f);  // halfway between two copies
-    float half = texture_eval(&t, &at).r;
+    float half = scene_texture_eval(&t, &at).r;
     at.width = 4.0f / t.texels;
-    assert_float_equal(half, 0.5f * (t.level[0].texel[0] + texture_eval(&t, &at).r), 1e-5f);
+    assert_float_equal(half, 0.5f * (t.level[0].texel[0] + scene_texture_eval(&t, &at).r), 1e-5f);
     arena_free(&arena);
 }
 
@@ -245,16 +246,16 @@ static void textures_are_scaled_at_every_depth(void **state) {
     const rgb c = eval(&checks, uv);
     const float e = eval(&t, uv).r;
     assert_true(c.r == e && c.g == 1.5f * e && c.b == 2.0f * e);
-    assert_float_equal(scene_texture_number(&b, uv), rgb_luminance(c), 1e-6f);
+    assert_float_equal(number_at(&b, uv), rgb_luminance(c), 1e-6f);
     assert_true(eval(&checks, (vec2){.7f, .4f}).g == 1.0f);
-    const vec2 g = texture_gradient(&t, uv), h = texture_gradient(&b, uv);
+    const vec2 g = scene_texture_gradient(&t, uv), h = scene_texture_gradient(&b, uv);
     const float k = rgb_luminance(rgb_make(1, 1.5f, 2));
     assert_float_equal(h.x, k * g.x, 1e-5f);
     assert_float_equal(h.y, k * g.y, 1e-5f);
     float lo, hi;
-    assert_false(texture_range(&b, &lo, &hi));
+    assert_false(scene_texture_range(&b, &lo, &hi));
     const struct texture grey = {.kind = TEXTURE_SCALED, .value = {3, 3, 3}, .check = {&t, NULL}};
-    assert_true(texture_range(&grey, &lo, &hi) && lo == 0.0f && hi == 33.0f);
+    assert_true(scene_texture_range(&grey, &lo, &hi) && lo == 0.0f && hi == 33.0f);
 }
 
 static void lines_of_a_grid_are_drawn(void **state) {
@@ -270,10 +271,10 @@ static void lines_of_a_grid_are_drawn(void **state) {
         const bool line = eval(&grid, uv).r == 1.0f;
         const float x = fabsf(uv.x), y = fabsf(uv.y);
         assert_true(line == (x < .1f || x > .9f || y < .1f || y > .9f));
-        assert_true(scene_texture_number(&grid, uv) == (float)line);
+        assert_true(number_at(&grid, uv) == (float)line);
         lines += line;
     }
-    assert_float_equal((float)lines / (SIDE * SIDE), texture_lines(&grid), 1e-6f);
+    assert_float_equal((float)lines / (SIDE * SIDE), scene_texture_lines(&grid), 1e-6f);
 }
 
 static void each_axis_wraps_for_itself(void **state) {

@@ -33,11 +33,11 @@ static void shade_aov_look(const char *body, vec2 film, float out[AOV_VALUES],
     const struct gather g = {.scene = scene, .options = &options};
     const struct shade shade = {.g = &g, .camera = &scene->camera};
     const struct shade_camera_sample lens = {.film = film};
-    const struct ray ray = camera_ray(scene, &scene->camera, film, (vec2){0.0f, 0.0f}, NULL);
+    const struct ray ray = scene_camera_ray(scene, &scene->camera, film, (vec2){0.0f, 0.0f}, NULL);
     struct interaction s;
     struct shading_point point;
     assert_true(scene_intersect(scene, &ray, &s));
-    shading_point_make(scene, &s, ray.d, &point);
+    scene_shading_point_make(scene, &s, ray.d, &point);
     memset(out, 0, AOV_VALUES * sizeof *out);
     shade_aov(&shade, &point, &lens, out);
     *aovs = scene->hints.aovs;  // its names go with the scene
@@ -105,7 +105,7 @@ static void channels_change_no_frame(void **state) {
         satin_scene *scene = scene_case_load(&c, text);
         assert_non_null(scene);
         const struct ray ray =
-            camera_ray(scene, &scene->camera, (vec2){40, 40}, (vec2){0, 0}, NULL);
+            scene_camera_ray(scene, &scene->camera, (vec2){40, 40}, (vec2){0, 0}, NULL);
         assert_true(scene_intersect(scene, &ray, &s[i]));
         satin_scene_free(scene);
     }

@@ -37,7 +37,7 @@ static int shade_sites_find_site(bool adaptive, int x, int y, struct fill_site *
     const struct cache_tables tables = {0};
     struct shade shade = {
         .g = &g, .camera = &scene->camera, .records = cache_reader_make(NULL, &tables, &options)};
-    film_filter_make(&scene->film, &shade.filter);
+    scene_film_filter_make(&scene->film, &shade.filter);
     const int count = shade_sites(&shade, x, y, adaptive, out, 1);
     satin_scene_free(scene);
     return count;

@@ -47,12 +47,12 @@ static void follow_walks(void *ctx, size_t begin, size_t end, int worker) {
         struct rng rng = rng_make(w->image->seed, RNG_BOUNCE, (uint64_t)w->bounce << 32 | i);
         int x = (int)(rng_u32(&rng) * width >> 32), y = (int)(rng_u32(&rng) * height >> 32);
         struct shade shade = *w->shade;
-        shade.camera = camera_sample(shade.g->scene, (uint32_t)i);
+        shade.camera = scene_camera_sample(shade.g->scene, (uint32_t)i);
         w->found[i] = shade_walk(&shade, x, y, w->bounce, &w->site[i]);
     }
 }
 
-static satin_status fill_from_walks(struct render *r, struct fill *fill, struct walks *walks) {
+static satin_status make_walk_records(struct render *r, struct fill *fill, struct walks *walks) {
     if (!parallel_for(r->pool, RENDER_WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
     const satin_options *o = walks->shade->g->options;
     const float a[CACHE_KINDS] = {o->irradiance_a, o->radiance_a};
@@ -89,10 +89,10 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
         .g = &bounce->gather,
         .camera = &r->scene.camera,
         .records = cache_reader_make(bounce->cache, &r->second_pass.tables, &bounce->options)};
-    film_filter_make(&r->scene.film, &bounce->shade.filter);
+    scene_film_filter_make(&r->scene.film, &bounce->shade.filter);
     walks->shade = &bounce->shade;
     walks->bounce = index;
-    satin_status status = fill_from_walks(r, fill, walks);
+    satin_status status = make_walk_records(r, fill, walks);
     fill_free(fill);
     r->second_pass.gather.next = (struct gather_records){&bounce->shade.records, &bounce->gather};
     return status;
@@ -106,7 +106,7 @@ static int bounces_wanted(const satin_options *o) {
     return o->max_depth >= 0 && longest < o->recursive_bounces ? longest : o->recursive_bounces;
 }
 
-satin_status render_bounces(struct render *r) {
+satin_status render_recursive_bounces(struct render *r) {
     const int count = bounces_wanted(&r->options);
     if (count <= 0) return SATIN_OK;
     render_stage_begin(r, STAGE_BOUNCES, 0.0);
@@ -133,7 +133,7 @@ satin_status render_bounces(struct render *r) {
     return status;
 }
 
-void render_bounces_free(struct render *r) {
+void render_recursive_bounces_free(struct render *r) {
     for (int i = 0; i < r->second_pass.bounce_count; i++)
         cache_free(r->second_pass.bounces[i].cache);
     free(r->second_pass.bounces);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to fill/: the shading points of adaptive caching, and the criterion for shrinking
 // records [K05 6.3].
-#ifndef FILL_ADAPTIVE_H
-#define FILL_ADAPTIVE_H
+#ifndef FILL_ADAPTIVE_CACHE_H
+#define FILL_ADAPTIVE_CACHE_H
 
 #include "fill/fill_record.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/array.h"
 #include "base/stats.h"
-#include "fill/fill_adaptive.h"
+#include "fill/fill_adaptive_cache.h"
 
 enum {
     PASSES_MAX = 11,  // the thesis needed no more

@@ -6,7 +6,7 @@
 // the id that covers most, .G its coverage, .B and .A the second pair, CryptoObject01.R the third
 // id and so on. Attributes of the file have the name of the layer and the manifest, a JSON object
 // from names to ids.
-#include "render/render_mattes.h"
+#include "render/render_cryptomatte.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@
 #include "film/film.h"
 #include "scene/scene.h"
 
-static const char *const layer_names[MATTES] = {"CryptoObject", "CryptoMaterial"};
+static const char *const layer_names[CRYPTOMATTES] = {"CryptoObject", "CryptoMaterial"};
 
 // ---- Names --------------------------------------------------------------------------------------
 
@@ -46,7 +46,7 @@ static uint32_t murmur3(const char *text) {
 }
 
 // Neither a denormal number nor an infinity nor NaN, which programs might change.
-uint32_t matte_id(const char *name) {
+uint32_t render_cryptomatte_id(const char *name) {
     const uint32_t hash = murmur3(name), exponent = hash >> 23 & 255u;
     return exponent == 0 || exponent == 255 ? hash ^ 1u << 23 : hash;
 }
@@ -64,26 +64,27 @@ static bool is_object(const struct satin_scene *scene, uint32_t shape) {
 
 // ---- Pixels -------------------------------------------------------------------------------------
 
-void matte_add(struct matte_pixel *pixel, uint32_t id, float weight) {
+void render_cryptomatte_pixel_add(struct cryptomatte_pixel *pixel, uint32_t id, float weight) {
     int at = 0, least = 0;
-    while (at < MATTE_IDS && pixel->id[at] != id && pixel->id[at] != 0) at++;
-    if (at < MATTE_IDS) {
+    while (at < CRYPTOMATTE_IDS && pixel->id[at] != id && pixel->id[at] != 0) at++;
+    if (at < CRYPTOMATTE_IDS) {
         pixel->id[at] = id;
         pixel->weight[at] += weight;
         return;
     }
-    for (int i = 1; i < MATTE_IDS; i++)
+    for (int i = 1; i < CRYPTOMATTE_IDS; i++)
         if (pixel->weight[i] < pixel->weight[least]) least = i;
     if (pixel->weight[least] > weight) return;
     pixel->id[least] = id;
     pixel->weight[least] = weight;
 }
 
-void matte_ranks(const struct matte_pixel *pixel, float scale, float out[MATTE_CHANNELS]) {
-    bool used[MATTE_IDS] = {false};
-    for (int rank = 0; rank < MATTE_RANKS; rank++) {
+void render_cryptomatte_ranks(const struct cryptomatte_pixel *pixel, float scale,
+                              float out[CRYPTOMATTE_CHANNELS]) {
+    bool used[CRYPTOMATTE_IDS] = {false};
+    for (int rank = 0; rank < CRYPTOMATTE_RANKS; rank++) {
         int best = -1;
-        for (int i = 0; i < MATTE_IDS; i++)
+        for (int i = 0; i < CRYPTOMATTE_IDS; i++)
             if (!used[i] && pixel->id[i] && (best < 0 || pixel->weight[i] > pixel->weight[best]))
                 best = i;
         out[2 * rank] = out[2 * rank + 1] = 0.0f;
@@ -103,36 +104,38 @@ static bool is_matte_wanted(const satin_options *options, int matte) {
     return (int)options->cryptomatte & 1 << matte;
 }
 
-bool render_mattes_make(struct render_mattes *mattes, const struct satin_scene *scene,
-                        const satin_options *options) {
+bool render_cryptomatte_make(struct render_cryptomatte *mattes, const struct satin_scene *scene,
+                             const satin_options *options) {
     const size_t pixels = (size_t)scene->film.crop_width * (size_t)scene->film.crop_height;
-    for (int k = 0; k < MATTES; k++) {
+    for (int k = 0; k < CRYPTOMATTES; k++) {
         if (!is_matte_wanted(options, k)) continue;
         mattes->id[k] = array_new((size_t)scene->shape_count + 1, sizeof *mattes->id[k]);
         mattes->pixel[k] = calloc(pixels, sizeof *mattes->pixel[k]);
         if (!mattes->id[k] || !mattes->pixel[k]) return false;
         for (uint32_t i = 0; i < scene->shape_count; i++)
-            mattes->id[k][i] = is_object(scene, i) ? matte_id(name_of(scene, k, i)) : 0;
+            mattes->id[k][i] =
+                is_object(scene, i) ? render_cryptomatte_id(name_of(scene, k, i)) : 0;
     }
     return true;
 }
 
-void render_mattes_destroy(struct render_mattes *mattes) {
-    for (int k = 0; k < MATTES; k++) {
+void render_cryptomatte_destroy(struct render_cryptomatte *mattes) {
+    for (int k = 0; k < CRYPTOMATTES; k++) {
         free(mattes->id[k]);
         free(mattes->pixel[k]);
     }
-    *mattes = (struct render_mattes){.id = {NULL}};
+    *mattes = (struct render_cryptomatte){.id = {NULL}};
 }
 
-void render_mattes_add(struct render_mattes *mattes, size_t at, const struct shade_sample *sample) {
-    for (int k = 0; k < MATTES && sample->shape > 0; k++) {
+void render_cryptomatte_add(struct render_cryptomatte *mattes, size_t at,
+                            const struct shade_sample *sample) {
+    for (int k = 0; k < CRYPTOMATTES && sample->shape > 0; k++) {
         if (!mattes->pixel[k]) continue;
         uint32_t id = mattes->id[k][sample->shape - 1];
         // An instance with an id is an object; else its shapes are.
         if (k == 0 && sample->instance && mattes->id[k][sample->instance - 1])
             id = mattes->id[k][sample->instance - 1];
-        matte_add(&mattes->pixel[k][at], id, sample->weight);
+        render_cryptomatte_pixel_add(&mattes->pixel[k][at], id, sample->weight);
     }
 }
 
@@ -172,7 +175,7 @@ static char *make_manifest(const struct satin_scene *scene, int matte) {
             if (i > 0 && strcmp(name[i], name[i - 1]) == 0) continue;
             if (i > 0) fputc(',', out);
             print_manifest_name(out, name[i]);
-            fprintf(out, ":\"%08x\"", (unsigned)matte_id(name[i]));
+            fprintf(out, ":\"%08x\"", (unsigned)render_cryptomatte_id(name[i]));
         }
         fputc('}', out);
     }
@@ -200,9 +203,9 @@ static bool describe_matte(const struct satin_scene *scene, int matte, struct sa
     return ok;
 }
 
-bool render_mattes_describe(const struct satin_scene *scene, const satin_options *options,
-                            struct satin_film *film) {
-    for (int k = 0; k < MATTES; k++)
+bool render_cryptomatte_describe(const struct satin_scene *scene, const satin_options *options,
+                                 struct satin_film *film) {
+    for (int k = 0; k < CRYPTOMATTES; k++)
         if (is_matte_wanted(options, k) && !describe_matte(scene, k, film)) return false;
     return true;
 }
