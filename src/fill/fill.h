@@ -51,10 +51,10 @@ void fill_free(struct fill *fill);  // NULL is allowed; the cache keeps its reco
 struct fill_sites {
     const struct fill_site *site;  // read only; NULL if count is 0
     size_t count;
-    float a;        // > 0
-    float widest;   // records will be read at accuracies up to this times a of the options; >= 1
-    float spacing;  // distance of sites in pixels; members of a batch are farther apart
-    bool adapted;   // new records have the scale of the nearest one [K05 6.3.2]
+    float a;           // > 0
+    float factor_max;  // records will be read at accuracies up to this times a of the options; >= 1
+    float spacing;     // distance of sites in pixels; members of a batch are farther apart
+    bool adapted;      // new records have the scale of the nearest one [K05 6.3.2]
 };
 
 // Makes records of a kind until every site that needs one is covered at accuracy a. It selects

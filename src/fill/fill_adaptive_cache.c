@@ -144,7 +144,7 @@ static satin_status fill_gaps(struct fill_adaptation *c) {
 static satin_status adapt_records(struct fill_adaptation *c) {
     struct parallel *pool = c->fill->pool;
     int pass = 0;
-    // In the first pass all records are new to all points.
+    // At the beginning all records are new to all points.
     if (!note_changes(c)) return SATIN_ERROR_MEMORY;
     c->records = 0;
     for (; pass < PASSES_MAX; pass++) {

@@ -236,7 +236,7 @@ static void make_records(void *ctx, size_t begin, size_t end, int worker) {
     for (struct job *job = b->job + begin; job < b->job + end; job++) {
         const struct fill_site *s = job->site;
         const struct gather_layout *layout =
-            fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->widest);
+            fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->factor_max);
         struct gathering at = {w, {s->p, s->ng, s->frame, s->stream, true}, hessian};
         for (int attempt = 0; attempt < ATTEMPTS && !job->found.valid; attempt++) {
             gather_hemisphere_trace(f->g, layout, &at.site, w->scratch, w->hemisphere);
@@ -296,7 +296,7 @@ static void clamp_extent(const struct batch *b, const struct fill_site *s, struc
 static struct cache_head make_head(const struct batch *b, const struct job *job,
                                    const struct fill_extent *x) {
     const struct fill_site *s = job->site;
-    const float radius = b->store->options.a * b->sites->widest * x->R;
+    const float radius = b->store->options.a * b->sites->factor_max * x->R;
     float ratio = x->R / x->across;
     float clear;
     const uint32_t near = fill_leak_sectors(&job->found.around, radius, &clear);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kd-tree of photons, in the only file that uses FLANN, which builds the tree. The nodes are
 // then copied through FLANN's archive interface to an array of half their size, above a copy of the
-// rows in the tree's order (photon_index_tree.h), and FLANN's memory is freed. Photons along a
-// curve are split into cells first; FLANN builds a tree for each cell, on all threads, and these
-// are joined below the planes between the cells. FLANN's own search is not used
+// rows in the tree's order (photon_index_tree.h), and FLANN's memory is freed. Photons in
+// Morton order are split into cells first; FLANN builds a tree for each cell, on all threads, and
+// these are joined below the planes between the cells. FLANN's own search is not used
 // (photon_index_search.cpp), because it allocates in every query, so that every lookup of light
 // could fail, and its C functions start threads. Here nothing is allocated after the tree is built.
 //
@@ -22,8 +22,8 @@
 
 extern "C" {
 #include "base/array.h"
-#include "photon/photon_curve.h"
 #include "photon/photon_index_tree.h"
+#include "photon/photon_morton.h"
 }
 
 // FLANN's pool, which is in a header too, does not check the result of malloc. Here malloc throws
@@ -42,8 +42,8 @@ namespace {
 
 enum {
     LEAF_ROWS = 16,
-    // Largest number of rows of a cell for photons along a curve: some hundred cells of 200
-    // thousand photons keep 64 threads busy, and the planes between them do not measurably slow
+    // Largest number of rows of a cell for photons in Morton order: some hundred cells of
+    // 200 thousand photons keep 64 threads busy, and the planes between them do not measurably slow
     // down queries.
     CELL_ROWS = 2048
 };
@@ -224,8 +224,8 @@ struct Box {
 // trees of the cells. Sets the top nodes and returns the bounds of the subtree. *next is the next
 // free node.
 template <size_t N>
-Box lay_out(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, size_t *next) {
-    const photon_curve_node &node = top.node[at];
+Box lay_out(Building &b, const photon_morton_tree &top, size_t at, size_t *cell, size_t *next) {
+    const photon_morton_node &node = top.node[at];
     Box box;
     if (node.column < 0) {
         Cell &here = b.cell[(*cell)++];
@@ -256,7 +256,7 @@ T *allocate_array(size_t count) {
 
 // Builds the whole tree. False if there is no memory or the pool was cancelled.
 template <size_t N>
-bool build_arrays(photon_index &index, const float *data, const photon_curve_tree &top,
+bool build_arrays(photon_index &index, const float *data, const photon_morton_tree &top,
                   struct parallel *pool) {
     Building b = {&index, data, {}, {false}};
     for (size_t i = 0; i < top.count; i++)
@@ -280,18 +280,18 @@ bool build_arrays(photon_index &index, const float *data, const photon_curve_tre
 }  // namespace
 
 struct photon_index *photon_index_new(const float *data, size_t rows, int columns,
-                                      const struct photon_curve *curve, struct parallel *pool) {
+                                      const struct photon_morton *morton, struct parallel *pool) {
     if (rows == 0 || rows > INT_MAX || (columns != 3 && columns != 6)) return nullptr;
     photon_index *index = nullptr;
-    photon_curve_node whole = {-1, 0, 0, rows};
-    photon_curve_tree top = {nullptr, 0, 0}, one = {&whole, 1, 1};
-    bool built = !curve || photon_curve_split(curve, data, static_cast<size_t>(columns), rows,
-                                              CELL_ROWS, &top);
+    photon_morton_node whole = {-1, 0, 0, rows};
+    photon_morton_tree top = {nullptr, 0, 0}, one = {&whole, 1, 1};
+    bool built = !morton || photon_morton_split(morton, data, static_cast<size_t>(columns), rows,
+                                                CELL_ROWS, &top);
     try {
         index = new photon_index{};
         index->columns = static_cast<size_t>(columns);
         index->rows = rows;
-        const photon_curve_tree &above = curve ? top : one;
+        const photon_morton_tree &above = morton ? top : one;
         if (built)
             built = columns == 3 ? build_arrays<3>(*index, data, above, pool)
                                  : build_arrays<6>(*index, data, above, pool);

@@ -6,16 +6,16 @@
 #include <stddef.h>
 
 struct parallel;
-struct photon_curve;
+struct photon_morton;
 
 struct photon_index;  // a kd-tree over a copy of rows of floats
 
-// Builds an index of `rows` >= 1 rows of `columns` floats (3 or 6), all finite. If a curve is
-// given, the first three columns are points in its order, and the tree is built on all threads.
+// Builds an index of `rows` >= 1 rows of `columns` floats (3 or 6), all finite. If `morton` is
+// not NULL, the first three columns are points in its order, and the tree is built on all threads.
 // NULL if there is no memory or the pool was cancelled. The tree does not depend on the number of
 // threads.
 struct photon_index *photon_index_new(const float *data, size_t rows, int columns,
-                                      const struct photon_curve *curve, struct parallel *pool);
+                                      const struct photon_morton *morton, struct parallel *pool);
 void photon_index_free(struct photon_index *index);  // NULL is allowed
 size_t photon_index_bytes(const struct photon_index *index);
 // photon_index_search.cpp: finds the k nearest rows of `count` queries, among those with a squared

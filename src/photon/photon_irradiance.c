@@ -64,8 +64,8 @@ struct clearing {
     float radius;
 };
 
-// Far from edges, one clearing is found for a group of entries, which are neighbours on the Morton
-// curve, and saves their rays.
+// Far from edges, one clearing is found for a group of entries, which are neighbours in Morton
+// order, and saves their rays.
 static struct clearing find_clearing(const struct photon_precompute *what, size_t entry,
                                      const int *row, const float *distance2) {
     struct photon_query query = query_of(what, entry);
@@ -187,7 +187,7 @@ static bool index_rows(const struct photon_precompute *what, struct parallel *po
     r->position.scale = normal_scale(r, what->scene);
     r->far2 = far_of(what, r);
     if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, set_rows, &job)) return false;
-    r->index = photon_index_new(r->position.row, r->count, 6, &what->map->curve, pool);
+    r->index = photon_index_new(r->position.row, r->count, 6, &what->map->morton, pool);
     return r->index != NULL;
 }
 

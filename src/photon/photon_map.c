@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photon map. Photons are sorted along a Morton curve, so that neighbours are neighbours in
+// The photon map. Photons are sorted in Morton order, so that neighbours are neighbours in
 // memory too, and every 8th of them is a uniform selection.
 #include "photon/photon_map.h"
 
@@ -12,7 +12,7 @@ enum { MAP_CHUNK = 4096 };  // photons per chunk
 struct map_building {
     struct photon_map *map;
     const struct photon_hit *hit;
-    struct photon_curve curve;
+    struct photon_morton morton;
     struct photon_keyed *key;
 };
 
@@ -20,7 +20,7 @@ static void find_keys(void *ctx, size_t begin, size_t end, int worker) {
     const struct map_building *b = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        b->key[i] = (struct photon_keyed){photon_curve_key(&b->curve, b->hit[i].p), (uint32_t)i};
+        b->key[i] = (struct photon_keyed){photon_morton_key(&b->morton, b->hit[i].p), (uint32_t)i};
 }
 
 static void copy_photons(void *ctx, size_t begin, size_t end, int worker) {
@@ -36,14 +36,14 @@ static void copy_photons(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Copies the hits to the map's arrays in the order of the curve. False if there is no memory or the
-// pool was cancelled.
+// Copies the hits to the map's arrays in Morton order. False if there is no memory
+// or the pool was cancelled.
 static bool sort_photons(struct map_building *b, struct parallel *pool) {
     const size_t count = b->map->count;
     struct photon_keyed *key = array_new_unset(2 * count, sizeof *key);
     b->key = key;
     bool sorted = key && parallel_for(pool, count, MAP_CHUNK, find_keys, b);
-    if (sorted) b->key = photon_curve_sort(key, key + count, count, pool);
+    if (sorted) b->key = photon_morton_sort(key, key + count, count, pool);
     sorted = sorted && b->key && parallel_for(pool, count, MAP_CHUNK, copy_photons, b);
     free(key);
     return sorted;
@@ -54,17 +54,17 @@ satin_status photon_map_build(const struct satin_scene *scene, const struct phot
                               struct photon_map *out) {
     struct photon_map map = {.count = count,
                              .radius_max = 0.1f * scene->radius,
-                             .curve = {scene->bounds_lo, 512.0f / scene->radius}};
+                             .morton = {scene->bounds_lo, 512.0f / scene->radius}};
     if (count == 0) {
         *out = map;
         return SATIN_OK;
     }
     map.position = array_new_unset(3 * count, sizeof *map.position);
     map.photon = array_new_unset(count, sizeof *map.photon);
-    struct map_building b = {.map = &map, .hit = hit, .curve = map.curve};
+    struct map_building b = {.map = &map, .hit = hit, .morton = map.morton};
     if (map.position && map.photon && sort_photons(&b, pool)) {
         parallel_begin_part(pool, "index");
-        map.index = photon_index_new(map.position, count, 3, &map.curve, pool);
+        map.index = photon_index_new(map.position, count, 3, &map.morton, pool);
     }
     if (!map.index) {
         photon_map_free(&map);

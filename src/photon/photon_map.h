@@ -4,8 +4,8 @@
 #define PHOTON_MAP_H
 
 #include "photon/photon.h"
-#include "photon/photon_curve.h"
 #include "photon/photon_index.h"
+#include "photon/photon_morton.h"
 
 enum {
     PHOTON_K_MAX = 10000,  // largest number of photons of a density estimate, the limit of
@@ -87,15 +87,15 @@ int photon_bounces_left(const satin_options *options, int after);
 
 struct photon_map {
     size_t count;
-    float *position;        // 3 per photon, sorted along a Morton curve
+    float *position;        // 3 per photon, sorted in Morton order
     struct photon *photon;  // `count`, in the same order
     struct photon_index *index;
     uint8_t *whole_disc;  // of every stride-th photon: whether no edge or wall cuts its disc
     size_t stride;
-    float *radius2;             // of each photon's own disc, squared; NULL: not known
-    bool limited;               // whether the number of bounces of photons is limited
-    float radius_max;           // largest radius of an estimate
-    struct photon_curve curve;  // the curve along which the photons are sorted
+    float *radius2;               // of each photon's own disc, squared; NULL: not known
+    bool limited;                 // whether the number of bounces of photons is limited
+    float radius_max;             // largest radius of an estimate
+    struct photon_morton morton;  // the order in which the photons are sorted
 };
 // The number of photons of an estimate by that of an option: at least two, as the outermost one is
 // not counted.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Progressive photon mapping: the mean over passes with new photons each, whose density estimates
 // have smaller radii from pass to pass. Noise and bias both vanish [Hachisuka, Ogaki and Jensen
-// 2008]. Passes have nothing in common but the radius of a point in the first pass, so that a pass
-// depends on its number alone [Knaus and Zwicker 2011].
+// 2008]. Passes have nothing in common but the initial radius of a point, so that a pass depends
+// on its number alone [Knaus and Zwicker 2011].
 //
-// The radius of a point in the first pass is that of the k photons around it in a map that serves
-// for nothing else: it is narrow where photons are dense [Kaplanyan and Dachsbacher 2013, sec. 5,
+// The initial radius of a point is that of the k photons around it in a map that serves for
+// nothing else: it is narrow where photons are dense [Kaplanyan and Dachsbacher 2013, sec. 5,
 // choose it by the curvature of the light too], and does not depend on the photons of an estimate.
 #include <math.h>
 #include <stdlib.h>
@@ -161,9 +161,9 @@ satin_status photon_progressive_next(struct photon_progressive *p, struct parall
     return SATIN_OK;
 }
 
-// The radiance that a point reflects of the photons of a map in the present pass. Its squared
-// radius in the first pass is at least that of the nearest photon of that map, and so large that
-// the disc reaches that photon.
+// The radiance that a point reflects of the photons of a map in the present pass. Its initial
+// squared radius is at least that of the nearest photon of that map, and so large that the disc
+// contains that photon.
 static rgb map_radiance(const struct photon_progressive *progressive, int kind,
                         const struct shading_point *point, const struct photon_reflection *at) {
     const struct photon_map *first = &progressive->first[kind], *map = &progressive->map[kind];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The curve from effort to options: a table of three presets, each at the effort that it takes on
+// The options as functions of effort: a table of three presets, each at the effort that it takes on
 // the data scenes. Between them options are power laws, which are straight lines over the logarithm
 // of effort. With less time than the first preset takes, its records are coarser
-// (render_budget.c). Beyond the last preset the curve continues by powers of effort, so
-// that many cores or much time are spent where that lowers the error. The time and the error of the
+// (render_budget.c). Beyond the last preset they continue by powers of effort, so that
+// many cores or much time are spent where that lowers the error. The time and the error of the
 // presets, and of 16 times the effort of the last one, are in docs/experiments.md.
 #include "render/options_quality.h"
 
@@ -128,7 +128,7 @@ static void set_number(satin_options *options, const struct option *o, double va
         *(int *)out = (int)lround(value);
 }
 
-// ---- The curve ----------------------------------------------------------------------------------
+// ---- Options by effort --------------------------------------------------------------------------
 
 // The last preset at or below the effort, and the position between it and the next one, in [0, 1).
 static int find_preset(double effort, double *fraction) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: options as functions of effort. The options that quality decides are
-// functions of one number, the effort in core seconds per pixel. Presets are three points of this
-// curve; a time limit is another point, by the cores and pixels of the render.
+// functions of one number, the effort in core seconds per pixel. Presets are three values of
+// it; a time limit gives another one, by the cores and pixels of the render.
 #ifndef OPTIONS_QUALITY_H
 #define OPTIONS_QUALITY_H
 

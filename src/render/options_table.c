@@ -16,7 +16,7 @@
 const struct option options_table[] = {
     {"quality", OPTION_CHOICE, AT(quality), false, "draft|preview|production",
      "Preset of samples, photons and accuracies, which every single option overrides. A time limit "
-     "chooses these values itself, on a curve on which the presets are points."},
+     "chooses these values itself, as functions of the time per pixel through the presets."},
     {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons|sppm",
      "The algorithm: photon maps and cached final gathering (two-pass), path tracing as the "
      "reference (path), emitted and direct light alone (direct), a direct view of the photon map "
@@ -93,7 +93,8 @@ const struct option options_table[] = {
     {"caustic-photons", OPTION_COUNT, AT(caustic_photons), true, "0..1000000000000",
      "Photon paths for the caustic map; of integrator sppm, in each pass. 0 is no caustics."},
     {"photon-k", OPTION_INT, AT(photon_k), false, "1..10000",
-     "Number of photons in a density estimate of the global map; of integrator sppm, in its first "
+     "Number of photons in a density estimate of the global map; of integrator sppm, in its "
+     "initial "
      "pass, after which estimates become smaller."},
     {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
      "Number of photons in a density estimate of the caustic map, for sppm likewise."},

@@ -9,7 +9,7 @@
 // Allocates the image first, so that memory does not run out after all other work is done.
 static satin_status allocate_image(struct render *r) {
     const struct scene_film *film = &r->scene.film;
-    r->image = render_image_new(&r->scene, &r->second_pass.options);
+    r->image = render_image_new(&r->scene, &r->options);
     if (r->image) return SATIN_OK;
     return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
                     film->crop_width, film->crop_height);
@@ -28,14 +28,13 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
                             const satin_options *options) {
     satin_status status = render_resolve(r, scene, options);
     if (status == SATIN_OK) status = render_views(r);
-    r->second_pass.options = r->options;
     render_take_course(r, render_first_course(&r->options));
     if (status == SATIN_OK) status = render_memory_begin(r);
     if (status == SATIN_OK) status = render_cache_open(r);
     if (status == SATIN_OK) status = start_threads(r);
     if (status == SATIN_OK) status = render_denoiser(r);
     if (status != SATIN_OK) return status;
-    status = render_film_check(&r->scene, &r->second_pass.options, r->log);
+    status = render_film_check(&r->scene, &r->options, r->log);
     if (status != SATIN_OK) return status;
     for (uint32_t i = 0; i < scene_camera_count(&r->scene); i++)
         if (scene_camera_check(&r->scene, scene_camera_at(&r->scene, i), r->log)) break;
@@ -47,14 +46,14 @@ static satin_status make_image_of_paths(struct render *r) {
     log_message(r->log, SATIN_LOG_WARNING,
                 "the time is too short for photons here: paths are traced instead");
     render_image_free(r->image);
-    r->image = render_image_new(&r->scene, &r->second_pass.options);
+    r->image = render_image_new(&r->scene, &r->options);
     return r->image ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
 // Traces photons and makes the first-pass radiance estimate that gather rays read at their hits. If
 // there is no time for that, paths are traced instead.
 static satin_status first_pass(struct render *r) {
-    if (!render_steps(r)->photons) return SATIN_OK;
+    if (!render_has_stage(r, STAGE_PHOTONS)) return SATIN_OK;
     render_stage_begin(r, STAGE_PHOTONS, (double)(r->options.photons + r->options.caustic_photons));
     satin_status status = render_memory_photons(r);
     if (status == SATIN_OK) status = render_photons(r);
@@ -72,7 +71,7 @@ static satin_status prepare_gathering(struct render *r) {
 // Projects the scene's glossy BRDFs onto harmonics. If there is no time for that, all are sampled
 // instead.
 static satin_status make_tables(struct render *r) {
-    if (!render_steps(r)->tables) return SATIN_OK;
+    if (!render_has_stage(r, STAGE_TABLES)) return SATIN_OK;
     render_stage_begin(r, STAGE_TABLES, (double)r->scene.material_count);
     render_limit_tables(r);
     satin_status status =
@@ -82,7 +81,7 @@ static satin_status make_tables(struct render *r) {
 
 // If gather rays read them, makes the records of the indirect bounces, beginning with the last.
 static satin_status bounce_records(struct render *r) {
-    return render_steps(r)->records ? render_recursive_bounces(r) : SATIN_OK;
+    return render_has_stage(r, STAGE_BOUNCES) ? render_recursive_bounces(r) : SATIN_OK;
 }
 
 // Makes an empty cache, and what the image and the search for sites need.
@@ -165,7 +164,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = make_tables(r);
     if (status == SATIN_OK) status = bounce_records(r);
     if (status == SATIN_OK) status = prepare_second_pass(r);
-    if (status == SATIN_OK && render_steps(r)->records) status = render_records(r);
+    if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS)) status = render_records(r);
     if (r && r->callbacks.animation)
         status = make_frames(r, status);
     else if (r)

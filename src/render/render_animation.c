@@ -185,7 +185,7 @@ bool render_frame_next(struct render *r, satin_status *status) {
     render_snapshot_free(r->snapshot);
     r->snapshot = NULL;
     render_image_free(r->image);
-    r->image = render_image_new(&r->scene, &r->second_pass.options);
+    r->image = render_image_new(&r->scene, &r->options);
     if (!r->image) *status = SATIN_ERROR_MEMORY;
     return r->image != NULL;
 }

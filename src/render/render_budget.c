@@ -67,14 +67,13 @@ static const double COVER_FRACTION = 0.5;
 // The first rounds have these factors of a, so that the image is covered whenever the time is over.
 // Then a and the least radius fall by FINER from round to round, because records soon become as
 // dense as their least radius allows, until they are FLOOR_PIXELS wide.
-static const float GIVEN_WIDTHS[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
+static const float GIVEN_FACTORS[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
 static const float FINER = 0.75f, FLOOR_PIXELS = 0.5f;
-enum { GIVEN_ROUNDS = sizeof GIVEN_WIDTHS / sizeof *GIVEN_WIDTHS };
+enum { GIVEN_ROUNDS = sizeof GIVEN_FACTORS / sizeof *GIVEN_FACTORS };
 
 // The factors by which each finer level makes more records than the one before it: geometric means
-// of four furnished rooms, which
-// had 2.1, 3.2, 2.2, 1.8, 1.3; 2.0, 3.2, 2.0, 1.6, 1.1; 1.8, 2.7, 1.5,
-// 1.4, 1.0; 3.1, 2.2, 1.7, 1.9, 1.7. Empty rooms have less, so all are scaled by what the last
+// of four furnished rooms, which had 2.1, 3.2, 2.2, 1.8, 1.3; 2.0, 3.2, 2.0, 1.6, 1.1; 1.8, 2.7,
+// 1.5, 1.4, 1.0; 3.1, 2.2, 1.7, 1.9, 1.7. Empty rooms have less, so all are scaled by what the last
 // level had of its own, within these limits.
 static const double GROWTH[RENDER_LEVELS - 1] = {2.2, 2.8, 1.8, 1.7, 1.2};
 static const double GROWTH_LEAST = 0.5, GROWTH_MOST = 1.0;
@@ -295,36 +294,36 @@ float render_budget_lookup(double made) {
 
 // ---- Rounds of records --------------------------------------------------------------------------
 
-float render_budget_widest(const satin_options *o) {
-    const float width = fmaxf(o->irradiance_widen, o->radiance_widen);
-    return o->time > 0.0 ? fmaxf(width, GIVEN_WIDTHS[0]) : width;
+float render_budget_largest_factor(const satin_options *o) {
+    const float factor = fmaxf(o->irradiance_widen, o->radiance_widen);
+    return o->time > 0.0 ? fmaxf(factor, GIVEN_FACTORS[0]) : factor;
 }
 
 // The finest factor w of a for a least radius of `min_pixels` at a: the least radius falls as w,
 // and so the least width of a record as w^2.
-static float finest_width(float min_pixels) {
-    const float last = GIVEN_WIDTHS[GIVEN_ROUNDS - 1];
+static float finest_factor(float min_pixels) {
+    const float last = GIVEN_FACTORS[GIVEN_ROUNDS - 1];
     return fminf(sqrtf(FLOOR_PIXELS * last / fmaxf(min_pixels, FLOOR_PIXELS)), last);
 }
 
-struct render_widths render_budget_round(const satin_options *o, int round) {
+struct render_factors render_budget_round(const satin_options *o, int round) {
     const int finer = round - (GIVEN_ROUNDS - 1);
-    const float width = finer <= 0 ? GIVEN_WIDTHS[round]
-                                   : GIVEN_WIDTHS[GIVEN_ROUNDS - 1] * powf(FINER, (float)finer);
-    return (struct render_widths){{fmaxf(width, finest_width(o->irradiance_min_pixels)),
-                                   fmaxf(width, finest_width(o->radiance_min_pixels))}};
+    const float factor = finer <= 0 ? GIVEN_FACTORS[round]
+                                    : GIVEN_FACTORS[GIVEN_ROUNDS - 1] * powf(FINER, (float)finer);
+    return (struct render_factors){{fmaxf(factor, finest_factor(o->irradiance_min_pixels)),
+                                    fmaxf(factor, finest_factor(o->radiance_min_pixels))}};
 }
 
 int render_budget_rounds(const satin_options *o) {
     for (int rounds = GIVEN_ROUNDS;; rounds++) {
-        const struct render_widths last = render_budget_round(o, rounds - 1);
-        const struct render_widths next = render_budget_round(o, rounds);
+        const struct render_factors last = render_budget_round(o, rounds - 1);
+        const struct render_factors next = render_budget_round(o, rounds);
         if (memcmp(&last, &next, sizeof last) == 0) return rounds;
     }
 }
 
-float render_budget_least_radius(float width) {
-    return fminf(width / GIVEN_WIDTHS[GIVEN_ROUNDS - 1], 1.0f);
+float render_budget_least_radius(float factor) {
+    return fminf(factor / GIVEN_FACTORS[GIVEN_ROUNDS - 1], 1.0f);
 }
 
 // ---- Rays of the first round of records ---------------------------------------------------------
@@ -447,7 +446,7 @@ static double fitting_samples(const struct render *r, double sample_seconds) {
 }
 
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds) {
-    const satin_options *o = &r->second_pass.options;
+    const satin_options *o = &r->options;
     const uint64_t pixels = (uint64_t)o->width * (uint64_t)o->height;
     const uint64_t all = (uint64_t)o->spp * pixels;
     const uint64_t equal = render_budget_equal_samples(o) * pixels;

@@ -102,18 +102,18 @@ float render_budget_lookup(double made);
 enum { RENDER_LEVELS = 6, RENDER_COARSEST = 1 << (RENDER_LEVELS - 1) };
 
 // Factors of the options' accuracies a, by kind of record.
-struct render_widths {
+struct render_factors {
     float of[CACHE_KINDS];
 };
 // The factors of a round of records with a time limit, which are not less than those of the next
 // round.
-struct render_widths render_budget_round(const satin_options *options, int round);
+struct render_factors render_budget_round(const satin_options *options, int round);
 // The number of rounds until the next one would not be finer.
 int render_budget_rounds(const satin_options *options);
 // The fraction of the options' least radius for records at this factor of a.
-float render_budget_least_radius(float width);
+float render_budget_least_radius(float factor);
 // The largest factor of a at which records may be read by the image pass.
-float render_budget_widest(const satin_options *options);
+float render_budget_largest_factor(const satin_options *options);
 
 // The state of the levels of the first round, which must cover the image within its time.
 struct render_covering {

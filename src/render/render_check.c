@@ -12,11 +12,10 @@ satin_status render_check(const satin_scene *scene, const satin_options *options
     if (!r) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");
     r->log = log;
     satin_status status = render_resolve(r, scene, options);
-    r->second_pass.options = r->options;
     render_take_course(r, render_first_course(&r->options));
     if (status == SATIN_OK) status = render_memory_begin(r);
     if (status == SATIN_OK && r->options.denoise) status = film_denoiser_open(1, log, &r->denoiser);
-    if (status == SATIN_OK) status = render_film_check(&r->scene, &r->second_pass.options, log);
+    if (status == SATIN_OK) status = render_film_check(&r->scene, &r->options, log);
     film_denoiser_free(r->denoiser);
     free(r);
     return status;

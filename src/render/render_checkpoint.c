@@ -214,7 +214,7 @@ bool render_checkpoint_due(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
     const double every =
         r->callbacks.checkpoint_seconds > 0.0 ? r->callbacks.checkpoint_seconds : SECONDS;
-    if (!c || !c->file || !r->image->in_pass || !r->image->begun) return false;
+    if (!c || !c->file || r->image->state != IMAGE_SAMPLING || !r->image->begun) return false;
     // The state is not written twice without a tile between, however short the time is.
     if (!atomic_load(&r->image->progressed)) return false;
     c->due = c->due || stats_wall() - c->written >= every;

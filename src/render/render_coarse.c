@@ -8,7 +8,7 @@ static satin_status sample_coarse(struct render *r, enum render_course course) {
     render_take_course(r, course);
     if (course == COURSE_COARSE_DIRECT) {
         shade_destroy(&pass->shade);
-        pass->gather = gather_make(&r->scene, &pass->options, NULL);
+        pass->gather = gather_make(&r->scene, &r->options, NULL);
         satin_status status = render_shading(r, NULL);
         if (status != SATIN_OK) return status;
     }
@@ -20,7 +20,7 @@ static satin_status sample_coarse(struct render *r, enum render_course course) {
 satin_status render_coarse(struct render *r) {
     satin_status status = SATIN_CANCELLED;
     if (r->progress.stage == STAGE_RECORDS) status = sample_coarse(r, COURSE_COARSE);
-    if (status == SATIN_CANCELLED && !r->image->has_first_samples)
+    if (status == SATIN_CANCELLED && r->image->state == IMAGE_EMPTY)
         status = sample_coarse(r, COURSE_COARSE_DIRECT);
     return status;
 }

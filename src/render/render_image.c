@@ -77,7 +77,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
-    if (image->taken < render_budget_equal_samples(&r->second_pass.options) * pixels)
+    if (image->taken < render_budget_equal_samples(&r->options) * pixels)
         render_adaptive_equal(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
     else
         render_adaptive_distribute(&image->adapt, *samples);
@@ -102,7 +102,7 @@ static void note_counts(struct render *r) {
 static void plan_samples(struct render *r) {
     parallel_begin_part(r->pool, "plan");
     render_adaptive_compare(&r->image->adapt);
-    const satin_options *o = &r->second_pass.options;
+    const satin_options *o = &r->options;
     if (o->integrator != SATIN_TWO_PASS || !o->adaptive_sampling) return;
     render_adaptive_lights(&r->image->adapt, render_budget_sample_cost(&r->image->counts));
 }
@@ -120,7 +120,6 @@ static bool take_first_samples(struct image_pass *pass) {
         parallel_begin_part(r->pool, "plan");
         render_adaptive_equal(&r->image->adapt, stride, 1);
         whole = render_pass_run(pass);
-        r->image->has_first_samples |= whole;
         render_limit_restore(r, limit);
         if (!short_of_time) break;
     }
@@ -163,7 +162,7 @@ static void end_pass(struct render *r) {
 
 static satin_status take_rims(struct render *r) {
     const struct render_image *image = r->image;
-    const satin_options *o = &r->second_pass.options;
+    const satin_options *o = &r->options;
     const uint64_t equal =
         (uint64_t)render_budget_equal_samples(o) * (uint64_t)image->width * (uint64_t)image->height;
     bool whole = true;

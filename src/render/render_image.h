@@ -54,6 +54,14 @@ struct channel_planes {
     float *aov[AOV_CHANNELS_MAX];
 };
 
+// Whether the image has its first samples, and whether more are being taken.
+enum image_state {
+    IMAGE_EMPTY,      // some pixel of the coarsest grid has no sample
+    IMAGE_BEGINNING,  // the first samples are being taken
+    IMAGE_PAUSED,     // every pixel of the coarsest grid has a sample
+    IMAGE_SAMPLING    // more samples are being taken
+};
+
 struct render_image {
     int width, height;
     struct image_pixel *pixel;
@@ -72,13 +80,12 @@ struct render_image {
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     uint32_t rim_rays;            // of each pixel at a rim; 0: none was found so far
     int coarsest;                 // pixels between the first samples, a power of two
-    bool has_first_samples;       // whether each of these pixels has a sample
     struct satin_film *film;      // the film that is made from the image
     // For each tile, who uses its pixels at the moment; NULL: there are no snapshots, for which
     // alone it is needed (render_snapshot.c).
     _Atomic int *tile_user;
     atomic_bool tiles_wanted;  // whether a snapshot waits for tiles that workers have
-    bool in_pass;              // whether samples are being taken
+    enum image_state state;
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
     rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result

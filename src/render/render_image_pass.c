@@ -190,13 +190,15 @@ static void collect_counts(struct image_pass *pass) {
 
 bool render_pass_run(struct image_pass *pass) {
     struct render *r = pass->r;
-    const size_t rows = (size_t)((r->image->height + IMAGE_TILE - 1) / IMAGE_TILE);
+    struct render_image *image = r->image;
+    const bool first = image->state == IMAGE_EMPTY;
+    const size_t rows = (size_t)((image->height + IMAGE_TILE - 1) / IMAGE_TILE);
     parallel_begin_part(r->pool, "image");
     for (;;) {
-        r->image->in_pass = true;
+        image->state = first ? IMAGE_BEGINNING : IMAGE_SAMPLING;
         const bool whole = parallel_for_results(r->pool, (size_t)pass->columns * rows, 1,
                                                 render_tiles, pass, &tiles_results);
-        r->image->in_pass = false;
+        image->state = first && !whole ? IMAGE_EMPTY : IMAGE_PAUSED;
         collect_counts(pass);
         if (whole || !render_checkpoint_pause(r)) return whole;
     }

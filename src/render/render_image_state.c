@@ -68,6 +68,6 @@ bool render_image_unpack(struct render_image *image, const struct bytes *bytes) 
     image->rim_rays = (uint32_t)bytes_get_u64(&in);
     bytes_get(&in, &image->counts, sizeof image->counts);
     render_image_unpack_box(image, whole_box(image), &in);
-    image->has_first_samples = true;
+    image->state = IMAGE_PAUSED;
     return !in.failed && in.left == 0 && image->block > 0;
 }

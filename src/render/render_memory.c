@@ -77,14 +77,14 @@ satin_status render_memory_begin(struct render *r) {
     struct render_memory *m = &r->memory;
     satin_options *o = &r->options;
     if (o->memory <= 0) return SATIN_OK;
-    const struct course_steps *steps = render_steps(r);
+    const bool records = render_has_stage(r, STAGE_RECORDS);
     m->limit = (double)o->memory;
     m->fixed = PROCESS_BYTES + bytes_of_scene(&r->scene) +
-               render_image_bytes(&r->scene, &r->second_pass.options, &r->callbacks);
-    m->thread = THREAD_BYTES + (steps->records ? RAY_BYTES * rays_of_hemisphere(o) : 0.0);
-    if (steps->records && o->guide_visibility) m->visibility = guide_visibility_most(&r->scene);
-    if (steps->records) m->fixed += m->visibility + site_bytes(o);
-    const double work = steps->photons || steps->records ? WORK_LEAST : 0.0;
+               render_image_bytes(&r->scene, &r->options, &r->callbacks);
+    m->thread = THREAD_BYTES + (records ? RAY_BYTES * rays_of_hemisphere(o) : 0.0);
+    if (records && o->guide_visibility) m->visibility = guide_visibility_most(&r->scene);
+    if (records) m->fixed += m->visibility + site_bytes(o);
+    const double work = render_has_stage(r, STAGE_PHOTONS) || records ? WORK_LEAST : 0.0;
     const double least = m->fixed + fmax(m->thread / FOR_THREADS, work);
     if (least > m->limit) {
         char limit[16], needed[16];
@@ -140,7 +140,7 @@ static int64_t limited(int64_t count, double fraction) {
 satin_status render_memory_photons(struct render *r) {
     struct render_memory *m = &r->memory;
     satin_options *o = &r->options;
-    if (m->limit == 0.0 || !render_steps(r)->photons) return SATIN_OK;
+    if (m->limit == 0.0 || !render_has_stage(r, STAGE_PHOTONS)) return SATIN_OK;
     const struct photon_request request = {&r->scene, o, render_budget_paths(o)};
     const satin_status status = photon_memory_measure(&request, r->pool, r->log, &m->per_path);
     if (status != SATIN_OK) return status;
@@ -149,8 +149,6 @@ satin_status render_memory_photons(struct render *r) {
         const int64_t photons = o->photons, caustic = o->caustic_photons;
         o->photons = limited(photons, fraction);
         o->caustic_photons = limited(caustic, fraction);
-        r->second_pass.options.photons = o->photons;
-        r->second_pass.options.caustic_photons = o->caustic_photons;
         log_message(r->log, SATIN_LOG_WARNING,
                     "option memory: %lld of %lld photons and %lld of %lld caustic photons",
                     (long long)o->photons, (long long)photons, (long long)o->caustic_photons,

@@ -72,7 +72,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     set_camera(&r->scene, &film->camera);
     char hash[20], number[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->scene.hash);
-    satin_options used = r->second_pass.options;
+    satin_options used = r->options;
     // With a crop, these two options are the size of the whole film, so that --set takes them back.
     if (used.crop_width > 0 && used.crop_height > 0) {
         used.width = r->scene.film.width;
@@ -84,7 +84,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&
               film_attribute_set(film, "satin:scene_hash", hash) &&
               film_attribute_set(film, "satin:options", options);
-    if (ok) ok = render_cryptomatte_describe(&r->scene, &r->second_pass.options, film);
+    if (ok) ok = render_cryptomatte_describe(&r->scene, &r->options, film);
     snprintf(number, sizeof number, "%d", r->frames.next - 1);
     if (ok && r->frames.view)
         ok = film_attribute_set(film, "satin:frame", number) &&

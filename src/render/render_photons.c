@@ -122,7 +122,7 @@ satin_status render_photons(struct render *r) {
     const struct stats before = r->stats;
     const double first = render_budget_first_photons(r);
     satin_status status = build_first(r, first);
-    const bool too_slow = !render_steps(r)->photons;
+    const bool too_slow = !render_has_stage(r, STAGE_PHOTONS);
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow) return status;
     struct render_more_photons more =
@@ -132,7 +132,7 @@ satin_status render_photons(struct render *r) {
 }
 
 satin_status render_direct(struct render *r) {
-    if (!photon_precomputes_direct(&r->second_pass.options) || !r->first_pass.maps) return SATIN_OK;
+    if (!photon_precomputes_direct(&r->options) || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");
     satin_status status =
@@ -145,7 +145,7 @@ satin_status render_direct(struct render *r) {
 }
 
 struct gather render_gather(const struct render *r) {
-    struct gather g = gather_make(&r->scene, &r->second_pass.options, r->first_pass.maps);
+    struct gather g = gather_make(&r->scene, &r->options, r->first_pass.maps);
     g.visibility = r->first_pass.visibility;
     g.lookup_max /= render_budget_lookup(r->first_pass.made);
     g.progressive = r->first_pass.progressive;

@@ -24,15 +24,21 @@ static const struct stage_report {
 
 const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }
 
+// The stages of a course. Where there are records, those of indirect bounces come before them.
+enum {
+    PHOTONS = 1 << STAGE_PHOTONS,
+    TABLES = 1 << STAGE_TABLES,
+    RECORDS = 1 << STAGE_BOUNCES | 1 << STAGE_RECORDS
+};
+
 static const struct course_steps steps_of[] = {
-    [COURSE_TWO_PASS] = {SATIN_TWO_PASS, .photons = true, .tables = true, .records = true,
-                         .interpolates = true},
-    [COURSE_SHORT_PATHS] = {SATIN_TWO_PASS, .tables = true},
-    [COURSE_PHOTONS] = {SATIN_PHOTONS, .photons = true},
+    [COURSE_TWO_PASS] = {SATIN_TWO_PASS, PHOTONS | TABLES | RECORDS, .interpolates = true},
+    [COURSE_SHORT_PATHS] = {SATIN_TWO_PASS, TABLES},
+    [COURSE_PHOTONS] = {SATIN_PHOTONS, PHOTONS},
     [COURSE_DIRECT] = {SATIN_DIRECT},
     [COURSE_PATHS] = {SATIN_PATH},
-    [COURSE_SPPM] = {SATIN_SPPM, .photons = true, .passes = true},
-    [COURSE_WITHOUT_RECORDS] = {SATIN_TWO_PASS, .photons = true, .tables = true},
+    [COURSE_SPPM] = {SATIN_SPPM, PHOTONS, .passes = true},
+    [COURSE_WITHOUT_RECORDS] = {SATIN_TWO_PASS, PHOTONS | TABLES},
     [COURSE_COARSE] = {SATIN_TWO_PASS, .interpolates = true, .coarse = true},
     [COURSE_COARSE_DIRECT] = {SATIN_DIRECT, .coarse = true},
 };
@@ -54,7 +60,7 @@ enum render_course render_first_course(const satin_options *options) {
 
 void render_take_course(struct render *r, enum render_course course) {
     r->progress.course = course;
-    r->second_pass.options.integrator = steps_of[course].integrator;
+    r->options.integrator = steps_of[course].integrator;
     r->second_pass.shade.interpolates = steps_of[course].interpolates;
 }
 

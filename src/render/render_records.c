@@ -19,16 +19,17 @@ static double count_records(const struct render *r) {
     return (double)cache_count_all(r->second_pass.cache);
 }
 
-// Fills all levels at `width` times a; the loops are the range [done, done + span] of the stage. If
-// `covering`, the numbers of rays are chosen so that the image is covered in time.
-static satin_status cover_levels(struct record_rounds *rounds, struct render_widths width,
+// Fills all levels at `factor` times a; the loops are the range [done, done + span] of the stage.
+// If `covering`, the numbers of rays are chosen so that the image is covered in time.
+static satin_status cover_levels(struct record_rounds *rounds, struct render_factors factor,
                                  bool covering, double done, double span) {
     struct render *r = rounds->r;
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     const uint32_t views = scene_camera_count(&r->scene);
     satin_status status = SATIN_OK;
     int stride = RENDER_COARSEST;
-    for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK && render_steps(r)->records;
+    for (int level = 0;
+         level < RENDER_LEVELS && status == SATIN_OK && render_has_stage(r, STAGE_RECORDS);
          level++, stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
         status = fill_limit_rays(r->second_pass.fill,
@@ -42,18 +43,19 @@ static satin_status cover_levels(struct record_rounds *rounds, struct render_wid
             const uint32_t view = (uint32_t)(i / blocks);
             const size_t first = i % blocks * BLOCK_PIXELS, left = count - first;
             const double made = count_records(r);
-            const double part = span / RENDER_LEVELS / (double)all;
-            render_stage_range(r, done + span * level / RENDER_LEVELS + part * (double)i, part);
+            const double block = span / RENDER_LEVELS / (double)all;
+            render_stage_range(r, done + span * level / RENDER_LEVELS + block * (double)i, block);
             status =
                 render_find_sites(r, view, pixel + first, left < BLOCK_PIXELS ? left : BLOCK_PIXELS,
                                   false, &rounds->sites);
             for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
                  kind++) {
-                const struct fill_sites sites = {.site = rounds->sites.site,
-                                                 .count = rounds->sites.count,
-                                                 .a = a[kind] * width.of[kind],
-                                                 .widest = render_budget_widest(&r->options),
-                                                 .spacing = 1.5f * (float)stride};
+                const struct fill_sites sites = {
+                    .site = rounds->sites.site,
+                    .count = rounds->sites.count,
+                    .a = a[kind] * factor.of[kind],
+                    .factor_max = render_budget_largest_factor(&r->options),
+                    .spacing = 1.5f * (float)stride};
                 status = fill_records(r->second_pass.fill, kind, &sites);
             }
             if (r->frames.view) r->frames.records[view] += count_records(r) - made;
@@ -79,18 +81,18 @@ static void read_at(struct render *r, float irradiance, float radiance) {
 static satin_status cover_in_rounds(struct record_rounds *rounds) {
     struct render *r = rounds->r;
     satin_status status = SATIN_OK;
-    struct render_widths finished = render_budget_round(&r->options, 0);
+    struct render_factors finished = render_budget_round(&r->options, 0);
     const int count = render_budget_rounds(&r->options);
     render_limit_records(r, NULL);
     read_at(r, finished.of[CACHE_IRRADIANCE], finished.of[CACHE_RADIANCE]);
     double start = stats_wall();
     for (int i = 0; i < count && status == SATIN_OK; i++) {
-        const struct render_widths width = render_budget_round(&r->options, i);
+        const struct render_factors factor = render_budget_round(&r->options, i);
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-            fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(width.of[k]));
-        status = cover_levels(rounds, width, i == 0, (double)i / count, 1.0 / count);
-        if (!render_steps(r)->records || !render_time_remains(r)) break;
-        finished = width;
+            fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(factor.of[k]));
+        status = cover_levels(rounds, factor, i == 0, (double)i / count, 1.0 / count);
+        if (!render_has_stage(r, STAGE_RECORDS) || !render_time_remains(r)) break;
+        finished = factor;
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
@@ -113,11 +115,11 @@ satin_status render_records(struct render *r) {
     satin_status status = render_cache_load(r, &whole);
     if (status == SATIN_OK && !whole && timed) status = cover_in_rounds(&rounds);
     if (status == SATIN_OK && !whole && !timed)
-        status = cover_levels(&rounds, (struct render_widths){{1.0f, 1.0f}}, false, 0.0, 1.0);
+        status = cover_levels(&rounds, (struct render_factors){{1.0f, 1.0f}}, false, 0.0, 1.0);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
-    if (!render_steps(r)->records) stats_set(&r->stats, "records.abandoned", 1.0);
+    if (!render_has_stage(r, STAGE_RECORDS)) stats_set(&r->stats, "records.abandoned", 1.0);
     render_sites_free(&rounds.sites);
     fill_statistics(r->second_pass.fill, &r->stats);
     return status;

@@ -56,7 +56,7 @@ static satin_status make_walk_records(struct render *r, struct fill *fill, struc
     if (!parallel_for(r->pool, RENDER_WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
     const satin_options *o = walks->shade->g->options;
     const float a[CACHE_KINDS] = {o->irradiance_a, o->radiance_a};
-    struct fill_sites sites = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
+    struct fill_sites sites = {.factor_max = fmaxf(o->irradiance_widen, o->radiance_widen),
                                .spacing = SPACING};
     satin_status status = SATIN_OK;
     for (size_t i = 0, next = RENDER_WALKS_FIRST; i < RENDER_WALKS && status == SATIN_OK;

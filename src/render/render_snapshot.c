@@ -61,7 +61,7 @@ void render_snapshot_free(struct render_snapshot *snapshot) {
 static struct render_snapshot *make_snapshot(const struct render *r) {
     const struct render_image *image = r->image;
     struct render_snapshot *snapshot = calloc(1, sizeof *snapshot);
-    satin_options options = r->second_pass.options;
+    satin_options options = r->options;
     if (!snapshot) return NULL;
     if (r->callbacks.snapshot_beauty) snprintf(options.layers, sizeof options.layers, "none");
     snapshot->pixels = snapshot->missing = (size_t)image->width * (size_t)image->height;
@@ -164,7 +164,7 @@ void render_snapshot_send(struct render *r) {
     struct render_image *image = r->image;
     const double begin = stats_wall();
     if (!r->callbacks.snapshot || r->progress.stage != STAGE_IMAGE || render_cancelled(r)) return;
-    if (!image->in_pass || !image->has_first_samples || render_steps(r)->coarse) return;
+    if (image->state != IMAGE_SAMPLING || render_steps(r)->coarse) return;
     if (r->snapshot && begin < r->snapshot->next) return;
     if (!r->snapshot) r->snapshot = make_snapshot(r);
     if (!r->snapshot) {

@@ -40,12 +40,12 @@ enum render_course {
     COURSE_COARSE_DIRECT  // a coarse image with direct light alone
 };
 
-// The steps of a course.
+// What a course consists of.
 struct course_steps {
     satin_integrator integrator;  // by which the image is sampled
-    bool photons, tables, records;
-    bool passes;        // each pass of the image has new photons
-    bool interpolates;  // where there are records, samples interpolate between them
+    unsigned stages;              // a mask of 1u << render_stage: those before STAGE_IMAGE
+    bool passes;                  // each pass of the image has new photons
+    bool interpolates;            // where there are records, samples interpolate between them
     bool coarse;  // the image has only its first samples, and is completed after the cancellation
 };
 
@@ -76,7 +76,6 @@ struct render_first_pass {
 
 // The second pass: final gathering, and its records.
 struct render_second_pass {
-    satin_options options;  // of the render, but the integrator is that of the course
     struct gather gather;
     struct cache_tables tables;
     struct render_bounce *bounces;  // records of the indirect bounces; [0] has those of bounce 1
@@ -112,8 +111,9 @@ struct render_frames {
 
 struct render {
     // Given by the caller. The scene has the film size and camera of this render and owns nothing;
-    // the options are resolved: no field means "the scene's" any more. render_resolve sets both,
-    // and nothing changes them after it, but that the camera is the one of the present frame.
+    // the options are resolved: no field means "the scene's" any more. render_resolve sets both.
+    // After it the camera is that of the present frame, the integrator that of the course, and a
+    // limit of memory may lessen threads and photons; nothing else changes.
     struct satin_scene scene;
     satin_options options;
     satin_callbacks callbacks;
@@ -174,10 +174,14 @@ satin_status render_frame_done(struct render *r, struct satin_film *film);
 // ---- render_progress.c
 // The course of the render's options.
 enum render_course render_first_course(const satin_options *options);
-// Changes the course, and with it the integrator of the second pass and whether it reads records.
+// Changes the course, and with it the integrator of the options and whether samples read records.
 void render_take_course(struct render *r, enum render_course course);
 // The steps of the render's present course; static storage.
 const struct course_steps *render_steps(const struct render *r);
+// Whether a stage before STAGE_IMAGE is one of them.
+static inline bool render_has_stage(const struct render *r, enum render_stage stage) {
+    return render_steps(r)->stages >> stage & 1u;
+}
 // Begins a stage of `items` units, ends the one before it and stores its seconds under its name.
 void render_stage_begin(struct render *r, enum render_stage stage, double items);
 // The name of a reported stage; static storage.

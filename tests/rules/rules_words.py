@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Keeps retired words out of names, comments, messages and docs, so that one thing has one name,
-the field's; keeps eight words to the one meaning that docs/glossary.md gives them, in tests and
-bench too; and keeps that page true.
+the field's; keeps eight words to the one meaning that docs/glossary.md gives them, in tests, bench
+and pages too; and keeps that page true.
 
 Usage: rules_words.py TREE
 
@@ -80,6 +80,12 @@ RETIRED = {
     "gather_direct_table|pixel_entry|cache_origin|stage_part|denoiser_pace|even_samples":
         "gather_direct, pixel_value, provenance, stage_range, pixel_seconds, equal_samples",
     "rims? of (?:the )?(?:disc|disk|sun)s?": "boundary, edge; a rim is a lamp's",
+    "photon_curve|morton curve|curve from effort|one curve|points of (?:this|the|its) curve":
+        "morton order; functions of effort",
+    "render_widths|given_widths|finest_width|times the width a": "factors of the accuracy a",
+    "render_mattes|matte_pixel|film_is_matte": "render_cryptomatte, of option cryptomatte",
+    "in (?:the|its) first pass[,;] (?:all records|after which)|radius in the first pass":
+        "initial; the first pass is before the caches",
     "old_(?:scene|file|format|version|mitsuba)|mitsuba_old|char old\\[\\]": "mitsuba06, previous",
 }
 # All of them as one pattern, for text in lower case.
@@ -166,6 +172,12 @@ OTHER_MEANING = re.compile(r"""\bplaces?\ (?:where|at\ which|in\ (?:space|a\ roo
     | \blevels?\ of\ (?:light|noise|error|detail|bright|accuracy) | \b(?:light|noise)\ levels?\b
     | \bas\ seen\ (?:above|below|before)\b | \b(?:has|have)\ (?:been\ )?seen\b
     | \bguidelines?\b | \b(?:user's|this)\ guide\b""", re.VERBOSE | re.IGNORECASE)
+# The words of one meaning that are looked for on pages, what may stand there, and code on them.
+PAGE_TERMS = ["Place", "Room", "Shared"]
+PLACES = r"(?:has|with|begins with) (?:its|the) place\b|the place of the error"
+QUOTED = re.compile(r"```.*?```|`[^`]*`", re.DOTALL)
+WRONG_PAGES = ["The light at many places of a wall.", "There is no room for it.", "It shares rays.",
+               "The level of noise rises."]
 # Lines that must be found wrong, and lines that must not.
 WRONG = [("src/photon/photon.h", "int KEEP_ALL;"), ("src/light/light.h", "weigh_leaf(x);"),
          ("src/load/load.c", "vec3 place;"), ("src/guide/guide.h", "float seen_fraction;"),
@@ -284,6 +296,21 @@ def wrong_text(text, name):
         yield f"'{found.group()}' has another meaning than in docs/glossary.md"
 
 
+def wrong_page(text, name):
+    """Words of one meaning on a page, which may have any subject: only those that have one subject,
+    or stand in a phrase of another meaning. Code on the page is not read."""
+    text = LINE_END.sub(" ", QUOTED.sub(" ", text))
+    for term in PAGE_TERMS:
+        words, _, elsewhere = IN_TEXT[term]
+        rest = re.sub("|".join(filter(None, [elsewhere, PLACES])), "", text, flags=re.IGNORECASE)
+        found = re.search(rf"(?<![\w/-])(?:{words})(?![\w/])", rest, re.IGNORECASE)
+        if found:
+            yield f"{name}: '{found.group()}' is not what docs/glossary.md calls {term}"
+    found = OTHER_MEANING.search(text)
+    if found:
+        yield f"{name}: '{found.group()}' has another meaning than in docs/glossary.md"
+
+
 def wrong_meanings(text, name):
     """Words of one meaning that are used in another one, in code and in what it says."""
     pattern = PYTHON_SAYS if name.endswith(".py") else SAYS
@@ -306,6 +333,9 @@ def wrong_examples():
             yield f"rules_words.py does not see what is wrong with {text!r} in {name}"
     for name, text in RIGHT:
         yield from wrong_meanings(text, name)
+    for text in WRONG_PAGES:
+        if not list(wrong_page(text, "README.md")):
+            yield f"rules_words.py does not see what is wrong with {text!r}"
     for text in RUNS_TOGETHER:
         if not RUN_TOGETHER.search(text):
             yield f"rules_words.py does not see what is wrong with {text!r}"
@@ -351,6 +381,8 @@ def main():
         if name.startswith(("src/", "include/")) and path.suffix in CODE \
                 or name.startswith(OUTSIDE) and path.suffix in CODE | {".py"}:
             wrong += wrong_meanings(path.read_text(encoding="utf-8"), name)
+        if path.suffix == ".md":
+            wrong += wrong_page(path.read_text(encoding="utf-8"), name)
     wrong += wrong_glossary(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0

@@ -40,7 +40,7 @@ static size_t fill_adaptive_run(struct fill_case *f, float light) {
     struct fill_sites sites = {.site = f->site,
                                .count = 12,  // coarse to fine
                                .a = f->options.irradiance_a,
-                               .widest = 2.0f,
+                               .factor_max = 2.0f,
                                .spacing = 1.5f};
     assert_int_equal(fill_records(f->fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
     sites.count = FILL_CASE_SITES;
@@ -131,7 +131,7 @@ static void no_record_is_read_untested(void **state) {
     struct fill_case f;
     fill_adaptive_start(&f, 1);
     const struct fill_sites sites = {
-        .site = f.site, .count = FILL_CASE_SITES, .a = 0.3f, .widest = 2.5f, .spacing = 0.5f};
+        .site = f.site, .count = FILL_CASE_SITES, .a = 0.3f, .factor_max = 2.5f, .spacing = 0.5f};
     assert_int_equal(fill_records(f.fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
     for (int i = 0; i < FILL_CASE_SITES; i++) {
         f.site[i].shading_p = f.site[i].p;

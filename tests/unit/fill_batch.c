@@ -31,7 +31,7 @@ static void fill_start(struct fill_case *f) {
 static void fill_all_sites(struct fill_case *f, struct fill_sites sites) {
     sites.site = f->site;
     sites.a = f->options.irradiance_a;
-    sites.widest = 1.0f;
+    sites.factor_max = 1.0f;
     assert_int_equal(fill_records(f->fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
 }
 
@@ -71,7 +71,7 @@ static void sites_that_need_records_are_covered(void **state) {
     assert_int_equal(cache_count(f.cache, CACHE_IRRADIANCE), count);
     // A cache without harmonics gets no radiance records either.
     struct fill_sites radiance = {
-        .site = f.site, .count = FILL_CASE_SITES, .a = 0.2f, .widest = 1.0f, .spacing = 1.0f};
+        .site = f.site, .count = FILL_CASE_SITES, .a = 0.2f, .factor_max = 1.0f, .spacing = 1.0f};
     assert_int_equal(fill_records(f.fill, CACHE_RADIANCE, &radiance), SATIN_OK);
     assert_int_equal(cache_count(f.cache, CACHE_RADIANCE), 0);
     fill_case_free(&f);

@@ -31,7 +31,7 @@ static void fill_rays_start(struct fill_case *f, int threads, float noise) {
 // Some coarse records, then finer ones among them; returns how many were coarse.
 static size_t fill_rays_fill(struct fill_case *f, enum cache_kind kind) {
     struct fill_sites sites = {
-        .site = f->site, .count = 16, .a = 0.5f, .widest = 2.0f, .spacing = 1.0f};
+        .site = f->site, .count = 16, .a = 0.5f, .factor_max = 2.0f, .spacing = 1.0f};
     assert_int_equal(fill_records(f->fill, kind, &sites), SATIN_OK);
     size_t coarse = cache_count(f->cache, kind);
     sites.count = FILL_CASE_SITES;

@@ -42,7 +42,7 @@ static void fill_residual_start(struct fill_residual_fixture *f, bool viewed) {
     assert_int_equal(brdf_range_build(&brdf, NULL, &fit, c->pool, &f->range), SATIN_OK);
     if (viewed) c->site[0].glossy = (struct fill_glossy){shiny(), f->range, 1, LOBE_NUMBER, WO};
     struct fill_sites sites = {
-        .site = c->site, .count = 1, .a = 0.5f, .widest = 1.0f, .spacing = 1.0f};
+        .site = c->site, .count = 1, .a = 0.5f, .factor_max = 1.0f, .spacing = 1.0f};
     assert_int_equal(fill_records(c->fill, CACHE_RADIANCE, &sites), SATIN_OK);
     assert_int_equal(cache_count(c->cache, CACHE_RADIANCE), 1);
 }

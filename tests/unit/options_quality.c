@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The curve from effort to options: it passes through the presets, is monotonous between and beyond
-// them, begins at the first, and does not change options that the user chose.
+// The options as functions of effort: they pass through the presets, are monotonous between and
+// beyond them, begin at the first, and do not change options that the user chose.
 #include "render/options_quality.h"
 
 #include <setjmp.h>

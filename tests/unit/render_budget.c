@@ -21,7 +21,6 @@ static struct render render_budget_make(double time) {
                                    .height = 100,
                                    .spp = time > 0.0 ? 1 << 20 : 36,
                                    .adaptive_sampling = true}};
-    r.second_pass.options = r.options;
     r.progress = (struct render_progress){.start = stats_wall(), .deadline = INFINITY};
     r.pool = parallel_new(1);
     assert_non_null(r.pool);
@@ -216,9 +215,9 @@ static void passes_grow_until_little_is_left(void **state) {
 // Counts the samples of all passes of a render without a time limit, whose equal samples come
 // first.
 static void check_passes(const struct render *r, uint64_t equal) {
-    const uint64_t pixels = 10000, all = (uint64_t)r->second_pass.options.spp * pixels;
+    const uint64_t pixels = 10000, all = (uint64_t)r->options.spp * pixels;
     uint64_t done = 0, more;
-    assert_int_equal(render_budget_equal_samples(&r->second_pass.options), equal);
+    assert_int_equal(render_budget_equal_samples(&r->options), equal);
     while ((more = render_budget_pass(r, done, 1e9)) > 0) {
         assert_true(more <= (done > pixels ? done : pixels));
         if (done < equal * pixels) assert_true(more % pixels == 0 && done + more <= equal * pixels);
@@ -231,15 +230,15 @@ static void passes_take_what_the_options_say(void **state) {
     (void)state;
     struct render r = render_budget_make(0.0);
     check_passes(&r, 9);
-    r.second_pass.options.spp = 6;
+    r.options.spp = 6;
     check_passes(&r, 2);
-    r.second_pass.options.spp = 3;
+    r.options.spp = 3;
     check_passes(&r, 3);
-    r.second_pass.options.spp = 36;
-    r.second_pass.options.adaptive_sampling = false;
+    r.options.spp = 36;
+    r.options.adaptive_sampling = false;
     check_passes(&r, 36);
-    r.second_pass.options.adaptive_sampling = true;
-    r.second_pass.options.integrator = SATIN_PATH;
+    r.options.adaptive_sampling = true;
+    r.options.integrator = SATIN_PATH;
     check_passes(&r, 36);
     parallel_free(r.pool);
 }
@@ -288,17 +287,17 @@ static satin_options timed_options(satin_quality quality) {
 static void check_rounds(const satin_options *o) {
     const int rounds = render_budget_rounds(o);
     assert_in_range(rounds, 5, 20);
-    struct render_widths before = render_budget_round(o, 0);
+    struct render_factors before = render_budget_round(o, 0);
     for (int i = 0; i < rounds; i++) {
-        const struct render_widths widths = render_budget_round(o, i);
+        const struct render_factors factors = render_budget_round(o, i);
         bool finer = i == 0;
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
-            assert_true(widths.of[k] > 0.0f && widths.of[k] <= before.of[k]);
-            assert_true(widths.of[k] <= render_budget_widest(o));
-            finer |= widths.of[k] < before.of[k];
+            assert_true(factors.of[k] > 0.0f && factors.of[k] <= before.of[k]);
+            assert_true(factors.of[k] <= render_budget_largest_factor(o));
+            finer |= factors.of[k] < before.of[k];
         }
         assert_true(finer);
-        before = widths;
+        before = factors;
     }
 }
 
@@ -321,7 +320,7 @@ static void the_last_records_are_half_a_pixel_wide(void **state) {
     satin_options o = timed_options(SATIN_PREVIEW);
     for (float pixels = 1.0f; pixels < 50.0f; pixels *= 2.0f) {
         o.irradiance_min_pixels = o.radiance_min_pixels = pixels;
-        const struct render_widths w = render_budget_round(&o, render_budget_rounds(&o) - 1);
+        const struct render_factors w = render_budget_round(&o, render_budget_rounds(&o) - 1);
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
             assert_true(fabsf(w.of[k] * render_budget_least_radius(w.of[k]) * pixels - 0.5f) <
                         1e-3f);
@@ -333,11 +332,11 @@ static void no_record_is_read_wider_than_it_may_be(void **state) {
     (void)state;
     satin_options o = timed_options(SATIN_PREVIEW);
     o.irradiance_widen = 3.0f;
-    assert_true(render_budget_widest(&o) == 3.0f);
+    assert_true(render_budget_largest_factor(&o) == 3.0f);
     o.irradiance_widen = o.radiance_widen = 1.5f;
-    assert_true(render_budget_widest(&o) == render_budget_round(&o, 0).of[CACHE_RADIANCE]);
+    assert_true(render_budget_largest_factor(&o) == render_budget_round(&o, 0).of[CACHE_RADIANCE]);
     o.time = 0.0;
-    assert_true(render_budget_widest(&o) == 1.5f);
+    assert_true(render_budget_largest_factor(&o) == 1.5f);
 }
 
 static void coarse_records_get_more_rays(void **state) {

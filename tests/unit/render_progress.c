@@ -28,7 +28,7 @@ static void options_decide_the_first_course(void **state) {
         assert_int_equal(render_first_course(&o), cases[i].course);
         struct render r = {0};
         render_take_course(&r, cases[i].course);
-        assert_int_equal(r.second_pass.options.integrator, cases[i].integrator);
+        assert_int_equal(r.options.integrator, cases[i].integrator);
         assert_false(render_steps(&r)->coarse);
     }
 }
@@ -37,14 +37,14 @@ static void steps_follow_the_course(void **state) {
     (void)state;
     struct render r = {0};
     render_take_course(&r, COURSE_TWO_PASS);
-    assert_true(render_steps(&r)->photons && render_steps(&r)->records);
+    assert_true(render_has_stage(&r, STAGE_PHOTONS) && render_has_stage(&r, STAGE_RECORDS));
     render_take_course(&r, COURSE_WITHOUT_RECORDS);
-    assert_int_equal(r.second_pass.options.integrator, SATIN_TWO_PASS);
-    assert_true(render_steps(&r)->photons && !render_steps(&r)->records);
+    assert_int_equal(r.options.integrator, SATIN_TWO_PASS);
+    assert_true(render_has_stage(&r, STAGE_PHOTONS) && !render_has_stage(&r, STAGE_RECORDS));
     render_take_course(&r, COURSE_PATHS);
-    assert_true(!render_steps(&r)->photons && !render_steps(&r)->tables);
+    assert_true(!render_has_stage(&r, STAGE_PHOTONS) && !render_has_stage(&r, STAGE_TABLES));
     render_take_course(&r, COURSE_COARSE_DIRECT);
-    assert_int_equal(r.second_pass.options.integrator, SATIN_DIRECT);
+    assert_int_equal(r.options.integrator, SATIN_DIRECT);
     assert_true(render_steps(&r)->coarse);
 }
 

@@ -38,7 +38,6 @@ static void copy_snapshot(void *user, const satin_film *film) {
 static struct render snapshot_begin(satin_integrator integrator, struct shown *shown, bool beauty) {
     struct render r = {.options = satin_options_default};
     r.options.integrator = integrator;
-    r.second_pass.options = r.options;
     r.scene.film.crop_width = WIDTH;
     r.scene.film.crop_height = HEIGHT;
     r.scene.film.alpha = true;
@@ -48,7 +47,7 @@ static struct render snapshot_begin(satin_integrator integrator, struct shown *s
     r.pool = parallel_new(2);
     r.image = render_image_new(&r.scene, &r.options);
     assert_true(r.pool && r.image && render_snapshot_memory(&r, r.image));
-    r.image->in_pass = r.image->has_first_samples = true;
+    r.image->state = IMAGE_SAMPLING;
     return r;
 }
 
@@ -193,12 +192,11 @@ static void snapshots_come_while_the_image_is_sampled(void **state) {
     (void)state;
     struct shown shown = {0};
     struct render r = snapshot_begin(SATIN_TWO_PASS, &shown, true);
-    r.image->has_first_samples = false;
-    show(&r);
-    r.image->has_first_samples = true;
-    r.image->in_pass = false;
-    show(&r);
-    r.image->in_pass = true;
+    for (enum image_state before = IMAGE_EMPTY; before < IMAGE_SAMPLING; before++) {
+        r.image->state = before;
+        show(&r);
+    }
+    r.image->state = IMAGE_SAMPLING;
     r.progress.stage = STAGE_RECORDS;
     show(&r);
     r.progress.stage = STAGE_IMAGE;

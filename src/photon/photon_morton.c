@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Morton curve, and a stable radix sort along it on all threads: each chunk of items counts its
+// The Morton order, and a stable radix sort by it on all threads: each chunk of items counts its
 // digits, and the counts give the offsets to which each chunk writes its items of each digit.
-#include "photon/photon_curve.h"
+#include "photon/photon_morton.h"
 
 #include <stdlib.h>
 
@@ -21,8 +21,8 @@ static uint32_t spread_bits(uint32_t x) {  // 10 bits to every third of 30
     return (x | x << 2) & 0x09249249u;
 }
 
-uint32_t photon_curve_key(const struct photon_curve *curve, vec3 p) {
-    vec3 q = v3_mul(v3_sub(p, curve->lo), curve->scale);
+uint32_t photon_morton_key(const struct photon_morton *morton, vec3 p) {
+    vec3 q = v3_mul(v3_sub(p, morton->lo), morton->scale);
     return spread_bits((uint32_t)clampf(q.x, 0.0f, 1023.0f)) |
            spread_bits((uint32_t)clampf(q.y, 0.0f, 1023.0f)) << 1 |
            spread_bits((uint32_t)clampf(q.z, 0.0f, 1023.0f)) << 2;
@@ -55,14 +55,14 @@ static void move_items(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) s->to[start[digit_of(s, i)]++] = s->from[i];
 }
 
-struct photon_keyed *photon_curve_sort(struct photon_keyed *a, struct photon_keyed *b, size_t n,
-                                       struct parallel *pool) {
+struct photon_keyed *photon_morton_sort(struct photon_keyed *a, struct photon_keyed *b, size_t n,
+                                        struct parallel *pool) {
     struct sorting s = {.from = a, .to = b, .chunk = n / CHUNKS_MOST + 1};
     if (s.chunk < CHUNK_LEAST) s.chunk = CHUNK_LEAST;
     const size_t chunks = n / s.chunk + (n % s.chunk != 0);
     s.start = array_new(chunks, sizeof *s.start);
     bool whole = s.start != NULL;
-    for (; s.shift < PHOTON_CURVE_BITS && whole; s.shift += DIGIT_BITS) {
+    for (; s.shift < PHOTON_MORTON_BITS && whole; s.shift += DIGIT_BITS) {
         whole = parallel_for(pool, n, s.chunk, count_digits, &s);
         size_t sum = 0;
         for (size_t d = 0; d < DIGITS; d++)
@@ -82,15 +82,15 @@ struct photon_keyed *photon_curve_sort(struct photon_keyed *a, struct photon_key
 // ---- Cells ------------------------------------------------------------------------------------
 
 struct splitting {
-    const struct photon_curve *curve;
+    const struct photon_morton *morton;
     const float *position;
     size_t stride, most, capacity;
-    struct photon_curve_tree *out;
+    struct photon_morton_tree *out;
 };
 
 static uint32_t key_at(const struct splitting *s, size_t i) {
     const float *p = s->position + i * s->stride;
-    return photon_curve_key(s->curve, v3(p[0], p[1], p[2]));
+    return photon_morton_key(s->morton, v3(p[0], p[1], p[2]));
 }
 
 // The first of the points whose key has the bit set.
@@ -106,16 +106,16 @@ static size_t find_bit(const struct splitting *s, size_t begin, size_t end, uint
 }
 
 static bool split_range(struct splitting *s, size_t begin, size_t end) {
-    struct photon_curve_tree *out = s->out;
+    struct photon_morton_tree *out = s->out;
     const size_t at = out->count;
     if (!array_reserve((void **)&out->node, &s->capacity, at + 1, sizeof *out->node)) return false;
-    out->node[out->count++] = (struct photon_curve_node){-1, 0, begin, end};
+    out->node[out->count++] = (struct photon_morton_node){-1, 0, begin, end};
     const uint32_t apart = key_at(s, begin) ^ key_at(s, end - 1);
     if (end - begin <= s->most || apart == 0) {
         out->cells++;
         return true;
     }
-    int bit = PHOTON_CURVE_BITS - 1;
+    int bit = PHOTON_MORTON_BITS - 1;
     while (!(apart >> bit & 1u)) bit--;
     const size_t middle = find_bit(s, begin, end, 1u << bit);
     out->node[at].column = bit % 3;
@@ -124,9 +124,9 @@ static bool split_range(struct splitting *s, size_t begin, size_t end) {
     return split_range(s, middle, end);
 }
 
-bool photon_curve_split(const struct photon_curve *curve, const float *position, size_t stride,
-                        size_t count, size_t most, struct photon_curve_tree *out) {
-    *out = (struct photon_curve_tree){0};
-    struct splitting s = {curve, position, stride, most, 0, out};
+bool photon_morton_split(const struct photon_morton *morton, const float *position, size_t stride,
+                         size_t count, size_t most, struct photon_morton_tree *out) {
+    *out = (struct photon_morton_tree){0};
+    struct splitting s = {morton, position, stride, most, 0, out};
     return split_range(&s, 0, count);
 }

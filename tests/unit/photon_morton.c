@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sorting along the Morton curve on any number of threads, and the kd-tree that is built of cells
-// of the curve: it finds the same points as a single tree, for any number of threads.
+// Sorting in Morton order on any number of threads, and the kd-tree that is built of cells
+// of that order: it finds the same points as a single tree, for any number of threads.
 #include "test_scene.h"
 
 #include <math.h>
@@ -8,13 +8,13 @@
 #include <string.h>
 
 #include "base/sampling.h"
-#include "photon/photon_curve.h"
 #include "photon/photon_index.h"
+#include "photon/photon_morton.h"
 
 enum { COUNT = 30000, QUERIES = 500, K = 20, LAYOUTS = 3 };
 
 static const int THREADS[] = {1, 2, 3, 8};
-static const struct photon_curve CURVE = {{0.0f, 0.0f, 0.0f}, 1024.0f};
+static const struct photon_morton MORTON = {{0.0f, 0.0f, 0.0f}, 1024.0f};
 
 // Makes points in the unit cube: spread uniformly, most of them in a few small spots, or all in a
 // few points, one of which has half of them.
@@ -30,7 +30,8 @@ static vec3 point_of(int layout, struct rng *rng) {
     return p;
 }
 
-// Makes rows in the order of the curve: `columns` floats each, of which those after the third are
+// Makes rows in Morton order: `columns` floats each, of which those after the
+// third are
 // +-0.01.
 static float *sorted_rows(int layout, int columns, struct parallel *pool) {
     struct photon_keyed *key = calloc(2 * COUNT, sizeof *key);
@@ -39,9 +40,9 @@ static float *sorted_rows(int layout, int columns, struct parallel *pool) {
     struct rng rng = rng_make(1, RNG_TEST, (uint64_t)layout);
     for (uint32_t i = 0; i < COUNT; i++) {
         p[i] = point_of(layout, &rng);
-        key[i] = (struct photon_keyed){photon_curve_key(&CURVE, p[i]), i};
+        key[i] = (struct photon_keyed){photon_morton_key(&MORTON, p[i]), i};
     }
-    const struct photon_keyed *order = photon_curve_sort(key, key + COUNT, COUNT, pool);
+    const struct photon_keyed *order = photon_morton_sort(key, key + COUNT, COUNT, pool);
     assert_non_null(order);
     for (int i = 0; i < COUNT; i++) {
         const vec3 q = p[order[i].item];
@@ -83,11 +84,11 @@ static void cells_cover_all_points(void **state) {
     enum { MOST = 700 };
     struct parallel *pool = parallel_new(2);
     float *row = sorted_rows(1, 6, pool);
-    struct photon_curve_tree tree;
-    assert_true(photon_curve_split(&CURVE, row, 6, COUNT, MOST, &tree));
+    struct photon_morton_tree tree;
+    assert_true(photon_morton_split(&MORTON, row, 6, COUNT, MOST, &tree));
     size_t next = 0, cells = 0;
     for (size_t i = 0; i < tree.count; i++) {
-        const struct photon_curve_node *node = &tree.node[i];
+        const struct photon_morton_node *node = &tree.node[i];
         if (node->column >= 0) {  // a plane keeps the children apart
             const size_t middle = tree.node[node->second].begin;
             float most = -INFINITY, least = INFINITY;
@@ -111,10 +112,10 @@ static void cells_cover_all_points(void **state) {
     parallel_free(pool);
 }
 
-static void search(const float *row, int columns, const struct photon_curve *curve, int threads,
+static void search(const float *row, int columns, const struct photon_morton *morton, int threads,
                    const float *query, int k, int *found, float *distance2) {
     struct parallel *pool = parallel_new(threads);
-    struct photon_index *index = photon_index_new(row, COUNT, columns, curve, pool);
+    struct photon_index *index = photon_index_new(row, COUNT, columns, morton, pool);
     assert_non_null(index);
     parallel_free(pool);
     photon_index_nearest(index, query, QUERIES, k, INFINITY, found, distance2);
@@ -158,7 +159,7 @@ static void cells_find_what_one_tree_finds(void **state) {
         }
         search(row, columns, NULL, 1, query, k, whole, whole2);
         for (size_t t = 0; t < sizeof THREADS / sizeof *THREADS; t++) {
-            search(row, columns, &CURVE, THREADS[t], query, k, found, distance2);
+            search(row, columns, &MORTON, THREADS[t], query, k, found, distance2);
             if (t == 0) memcpy(first, found, sizeof found);
             assert_memory_equal(found, first, (size_t)(QUERIES * k) * sizeof *found);
         }
