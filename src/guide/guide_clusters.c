@@ -73,7 +73,7 @@ struct tree_building {
     struct split_point *point;
     struct leaf_run *run;
     struct leaf *leaf;
-    struct task *task;
+    struct task *task;  // of the current depth
     struct guide_clusters *out;
 };
 
@@ -262,11 +262,13 @@ static void run_tasks(void *ctx, size_t begin, size_t end, int worker) {
             make_nodes(b, t);
 }
 
-// Makes all nodes on all threads, large ones depth by depth. False if the pool was cancelled.
-static bool make_all_nodes(struct tree_building *b, size_t leaves, struct parallel *pool) {
-    struct task *all = b->task;
+// Makes all nodes on all threads, large ones depth by depth, each in a run of the 2 leaves - 1
+// tasks of `task`. False if the pool was cancelled.
+static bool make_all_nodes(struct tree_building *b, struct task *task, size_t leaves,
+                           struct parallel *pool) {
     size_t tasks = 1;
-    all[0] = (struct task){.count = leaves};
+    b->task = task;
+    b->task[0] = (struct task){.count = leaves};
     b->out->node_count = 2 * leaves - 1;
     while (tasks > 0) {
         if (!parallel_for(pool, tasks, 1, run_tasks, b)) return false;
@@ -281,7 +283,6 @@ static bool make_all_nodes(struct tree_building *b, size_t leaves, struct parall
         b->task = next;
         tasks = more;
     }
-    b->task = all;
     return true;
 }
 
@@ -291,11 +292,11 @@ static satin_status make_tree(struct tree_building *b, size_t count, struct para
     if (leaves == 0) return SATIN_CANCELLED;
     b->out->node = array_new(2 * leaves, sizeof *b->out->node);
     b->out->position = array_new_unset(count, sizeof *b->out->position);
-    b->task = array_new(2 * leaves, sizeof *b->task);
+    struct task *task = array_new(2 * leaves, sizeof *task);
     satin_status status = SATIN_ERROR_MEMORY;
-    if (b->out->node && b->out->position && b->task)
-        status = make_all_nodes(b, leaves, pool) ? SATIN_OK : SATIN_CANCELLED;
-    free(b->task);
+    if (b->out->node && b->out->position && task)
+        status = make_all_nodes(b, task, leaves, pool) ? SATIN_OK : SATIN_CANCELLED;
+    free(task);
     return status;
 }
 

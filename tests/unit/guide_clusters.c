@@ -162,6 +162,37 @@ static void photons_without_area_are_harmless(void **state) {
     }
 }
 
+// Asks for cancellation once it has been called `*left` times.
+static bool cancel_later(void *user, double done) {
+    int *left = user;
+    (void)done;
+    return (*left)-- <= 0;
+}
+
+// Building stops at any call, with nothing left in memory (the sanitizers see that).
+static void building_can_be_cancelled_anywhere(void **state) {
+    (void)state;
+    static struct guide_photon photon[PHOTONS];
+    struct test_scene t;
+    box(&t, false);
+    shower(photon, SPREAD);
+    struct parallel *pool = parallel_new(1);
+    int calls = 0;
+    for (bool cancelled = true; cancelled; calls++) {
+        int left = calls;
+        struct guide_clusters *clusters = NULL;
+        parallel_set_progress(pool, cancel_later, &left);
+        const satin_status status =
+            guide_clusters_build(&t.scene, photon, PHOTONS, pool, (struct log){0}, &clusters);
+        cancelled = status == SATIN_CANCELLED;
+        assert_true(cancelled ? !clusters : status == SATIN_OK && clusters);
+        guide_clusters_free(clusters);
+    }
+    assert_true(calls > 10);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 // The tree is well-formed, has every photon once, and is the same on any number of threads.
 static void threads_do_not_change_the_clusters(void **state) {
     (void)state;
@@ -216,6 +247,7 @@ int main(void) {
         cmocka_unit_test(what_is_hidden_is_not_visible),
         cmocka_unit_test(uniform_light_has_no_clusters),
         cmocka_unit_test(photons_without_area_are_harmless),
+        cmocka_unit_test(building_can_be_cancelled_anywhere),
         cmocka_unit_test(threads_do_not_change_the_clusters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which sites the records cover.
+#include <stdatomic.h>
+
+#include "fill/fill_record.h"
+
+enum { COUNTED_MOST = 4096 };  // sites that are tested for an estimate of their number
+
+bool fill_is_covered(const struct fill *fill, enum cache_kind kind, const struct fill_site *s,
+                     float a) {
+    struct cache_near near[CACHE_NEAR_MAX];
+    return cache_find(fill->cache, &fill->cache->store[kind].tree, s->p, s->frame.n, a, near) > 0;
+}
+
+struct uncovered_count {
+    const struct fill *fill;
+    enum cache_kind kind;
+    const struct fill_sites *sites;
+    atomic_size_t found;
+};
+
+static void count_uncovered(void *ctx, size_t begin, size_t end, int worker) {
+    struct uncovered_count *c = ctx;
+    size_t found = 0;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const struct fill_site *s = &c->sites->site[i];
+        if (s->kinds >> c->kind & 1u) found += !fill_is_covered(c->fill, c->kind, s, c->sites->a);
+    }
+    atomic_fetch_add(&c->found, found);
+}
+
+double fill_uncovered(const struct fill *fill, enum cache_kind kind,
+                      const struct fill_sites *sites) {
+    const size_t tested = sites->count < COUNTED_MOST ? sites->count : COUNTED_MOST;
+    struct uncovered_count c = {fill, kind, sites, 0};
+    if (kind == CACHE_RADIANCE && fill->cache->store[kind].order == 0) return 0.0;
+    parallel_for_all(fill->pool, tested, 64, count_uncovered, &c);
+    const double found = (double)atomic_load(&c.found);
+    return tested ? found * (double)sites->count / (double)tested : 0.0;
+}

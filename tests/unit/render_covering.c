@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first round of records with a time limit: its rays are those that its time allows.
+#include "render/render_covering.h"
+
+#include <math.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static satin_options options_of(satin_quality quality) {
+    satin_options o = satin_options_default;
+    satin_options_preset(&o, quality);
+    o.time = 10.0;
+    return o;
+}
+
+static void coarse_records_get_more_rays(void **state) {
+    (void)state;
+    const satin_options o = options_of(SATIN_PREVIEW);  // 600 rays
+    const struct render_covering all = {.rays = RENDER_COARSEST}, half = {.rays = 0.5f}, few = {0};
+    for (int stride = 1; stride <= RENDER_COARSEST; stride *= 2) {
+        assert_true(render_covering_rays(&o, &all, stride) == 1.0f);
+        assert_true(render_covering_rays(&o, &half, stride) >=
+                    fmaxf(0.5f * (float)stride / RENDER_COARSEST, 32.0f / 600.0f));
+        assert_true(render_covering_rays(&o, &few, stride) == 32.0f / 600.0f);
+    }
+    assert_true(render_covering_rays(&o, &half, RENDER_COARSEST) == 0.5f);
+}
+
+// The plan of a level at whose `needed` sites seven tenths of that number of records are expected,
+// after 100 records by all rays in a second.
+static struct render_covering planned(const satin_options *o, int stride, double needed,
+                                      double left) {
+    struct render_covering c = {.rays = RENDER_COARSEST};
+    render_covering_filled(o, &c, stride, 100.0, 1.0);
+    render_covering_next(&c);
+    render_covering_plan(o, &c, stride, 1000.0, needed, left);
+    return c;
+}
+
+static void the_time_limits_the_rays_of_records(void **state) {
+    (void)state;
+    const satin_options o = options_of(SATIN_PRODUCTION);  // 2000 rays
+    for (double left = 0.1; left < 0.7; left *= 2.0) {
+        const struct render_covering c = planned(&o, 1, 100.0, left);
+        assert_true(fabs(0.7 * (double)render_covering_rays(&o, &c, 1) - left) < 1e-3);
+    }
+    float before = 0.0f;
+    for (double left = 0.01; left < 100.0; left *= 2.0) {
+        const struct render_covering c = planned(&o, RENDER_COARSEST, 100.0, left);
+        const float rays = render_covering_rays(&o, &c, 1);
+        assert_true(rays >= before);
+        before = rays;
+    }
+    assert_true(before == 1.0f);
+    const struct render_covering none = planned(&o, RENDER_COARSEST, 100.0, 0.0);
+    assert_true(render_covering_rays(&o, &none, 16) == 32.0f / 2000.0f);
+    struct render_covering first = {0};
+    render_covering_plan(&o, &first, RENDER_COARSEST, 1000.0, 100.0, 0.0);
+    assert_true(first.rays == RENDER_COARSEST);
+}
+
+// What covers the same area in fewer sites leaves them more rays.
+static void uncovered_sites_limit_the_rays(void **state) {
+    (void)state;
+    const satin_options o = options_of(SATIN_PRODUCTION);
+    float before = INFINITY;
+    for (double needed = 1.0; needed < 1e6; needed *= 4.0) {
+        const struct render_covering c = planned(&o, 8, needed, 1.0);
+        assert_true(c.rays <= before);
+        before = c.rays;
+    }
+    assert_true(before < 0.1f);
+}
+
+static void levels_that_take_too_long_to_search_do_not_pay(void **state) {
+    (void)state;
+    struct render_covering c = {0};
+    assert_true(render_covering_pays(&c, 1e9, 1e-3));  // not measured yet
+    c.pixels = 1e6;
+    c.search = 1.0;
+    assert_true(render_covering_search(&c, 2e6) == 2.0);
+    assert_true(render_covering_pays(&c, 1e6, 10.0));
+    assert_false(render_covering_pays(&c, 1e6, 1.5));
+    assert_false(render_covering_pays(&c, 1e6, -1.0));
+    // Records of a level that does not pay need no rays.
+    const satin_options o = options_of(SATIN_PRODUCTION);
+    struct render_covering all = planned(&o, 2, 100.0, 1.0), fewer = all;
+    all.search = 0.0;
+    fewer.search = 1.0;
+    all.pixels = fewer.pixels = 1000.0;
+    render_covering_plan(&o, &all, 2, 1000.0, 100.0, 1.0);
+    render_covering_plan(&o, &fewer, 2, 1000.0, 100.0, 1.0);
+    assert_true(fewer.rays > all.rays);
+}
+
+static void a_denoised_image_has_whole_records_or_none(void **state) {
+    (void)state;
+    satin_options o = options_of(SATIN_PRODUCTION);
+    const struct render_covering fits = planned(&o, 1, 100.0, 1.0),
+                                 few = planned(&o, 1, 100.0, 0.5),
+                                 first = planned(&o, RENDER_COARSEST, 100.0, 0.0);
+    assert_false(render_covering_without_records(&o, &few, 1));
+    o.denoise = true;
+    assert_true(render_covering_without_records(&o, &few, 1));
+    assert_true(few.rays < RENDER_COARSEST && fits.rays > few.rays);
+    assert_false(render_covering_without_records(&o, &first, RENDER_COARSEST));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(coarse_records_get_more_rays),
+        cmocka_unit_test(the_time_limits_the_rays_of_records),
+        cmocka_unit_test(uncovered_sites_limit_the_rays),
+        cmocka_unit_test(levels_that_take_too_long_to_search_do_not_pay),
+        cmocka_unit_test(a_denoised_image_has_whole_records_or_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
