@@ -69,7 +69,7 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
         gather_hemisphere_radiance(g, h, &(struct gather_radiance){.lambda = lambda});
         for (size_t i = 0, k = layer * RAYS; i < RAYS; i++, k++) {
             x[k] = h->x[i], y[k] = h->y[i], z[k] = h->z[i];
-            out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(h->ray[i].L);
+            out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(h->L[i]);
         }
     }
     project_light(out->L, out->lambda);

@@ -33,7 +33,7 @@ static void put_irradiance(const struct cache *cache, size_t i, float *out) {
     memcpy(out, &v->rays, sizeof v->rays);
 }
 
-static bool get_irradiance(struct cache *cache, size_t i, const float *in) {
+static bool get_irradiance(struct cache *cache, const struct cache_head *head, const float *in) {
     struct cache_irradiance_record r = {.deviation = in[21], .radius_ratio = in[22]};
     r.value.E = rgb_make(in[0], in[1], in[2]);
     for (int c = 0; c < 3; c++) {
@@ -41,10 +41,7 @@ static bool get_irradiance(struct cache *cache, size_t i, const float *in) {
         r.value.grad_r[c] = v3(in[12 + 3 * c], in[13 + 3 * c], in[14 + 3 * c]);
     }
     memcpy(&r.value.rays, &in[23], sizeof r.value.rays);
-    if (!array_reserve((void **)&cache->irradiance, &cache->irradiance_capacity, i + 1, sizeof r))
-        return false;
-    cache->irradiance[i] = r;
-    return true;
+    return cache_insert_irradiance(cache, head, &r);
 }
 
 // In memory a gradient has four lanes per coefficient, of which the file has the three colours.
@@ -66,7 +63,7 @@ static void put_radiance(const struct cache *cache, size_t i, float *out) {
     }
 }
 
-static bool get_radiance(struct cache *cache, size_t i, const float *in) {
+static bool get_radiance(struct cache *cache, const struct cache_head *head, const float *in) {
     const int n2 = cache->store[CACHE_RADIANCE].order * cache->store[CACHE_RADIANCE].order;
     float *value = cache_value_new(cache);
     struct cache_radiance_record r = {.value = value, .radius_ratio = in[9]};
@@ -76,23 +73,21 @@ static bool get_radiance(struct cache *cache, size_t i, const float *in) {
     r.residual.L = rgb_make(in[13], in[14], in[15]);
     memcpy(&r.rays, &in[16], sizeof r.rays);
     memcpy(&r.residual.lobe_number, &in[17], sizeof r.residual.lobe_number);
-    if (!value ||
-        !array_reserve((void **)&cache->radiance, &cache->radiance_capacity, i + 1, sizeof r))
-        return false;
-    cache->radiance[i] = r;
+    if (!value) return false;
     in += RADIANCE_WORDS;
     for (int k = 0; k < n2; k++, value += CACHE_LANES, in += COEFFICIENT_WORDS) {
         memcpy(value, in, 4 * sizeof *in);
         memcpy(value + 4, in + 4, 3 * sizeof *in);
         memcpy(value + 8, in + 7, 3 * sizeof *in);
     }
-    return true;
+    return cache_insert_radiance(cache, head, &r);
 }
 
-// Converts a record to the words of a row and back. False if there is no memory.
+// Converts a record to the words of a row, and inserts the record of a row with its head. False if
+// there is no memory.
 static const struct row_functions {
     void (*put)(const struct cache *cache, size_t i, float *out);
-    bool (*get)(struct cache *cache, size_t i, const float *in);
+    bool (*get)(struct cache *cache, const struct cache_head *head, const float *in);
 } row_of[CACHE_KINDS] = {
     [CACHE_IRRADIANCE] = {put_irradiance, get_irradiance},
     [CACHE_RADIANCE] = {put_radiance, get_radiance},
@@ -146,17 +141,12 @@ satin_status cache_save(const struct cache *cache, const struct cache_provenance
 
 // ---- Loading ------------------------------------------------------------------------------------
 
-// Adds the next head to the tree. SATIN_ERROR_INPUT if the tree cannot hold it, because it is far
-// from all surfaces.
-static satin_status read_head(struct cache_tree *tree, const unsigned char *row) {
-    struct cache_head head;
-    memcpy(&head, row, sizeof head);
-    const vec3 d = v3_sub(head.p, tree->lo);
+// Whether the tree can hold a head. It cannot if that is far from all surfaces.
+static bool tree_has(const struct cache_tree *tree, const struct cache_head *head) {
+    const vec3 d = v3_sub(head->p, tree->lo);
     const float most = tree->size * (float)(1 << 24);  // cells are numbered by int
-    if (!(fminf(fminf(d.x, d.y), d.z) >= 0.0f) || !(v3_max_abs(d) <= tree->size) ||
-        !(head.search_radius <= most))
-        return SATIN_ERROR_INPUT;
-    return cache_tree_insert(tree, &head) ? SATIN_OK : SATIN_ERROR_MEMORY;
+    return fminf(fminf(d.x, d.y), d.z) >= 0.0f && v3_max_abs(d) <= tree->size &&
+           head->search_radius <= most;
 }
 
 static satin_status read_records(struct cache *c, enum cache_kind kind,
@@ -164,13 +154,14 @@ static satin_status read_records(struct cache *c, enum cache_kind kind,
     const enum cache_section heads = cache_file_heads(kind), values = cache_file_values(kind);
     const size_t bytes = cache_file_row(values, f->header.order);
     float row[RADIANCE_WORDS + COEFFICIENT_WORDS * RSH_MAX_COEFFICIENTS];
-    satin_status status = SATIN_OK;
-    for (size_t i = 0; i < f->rows[values] && status == SATIN_OK; i++) {
+    for (size_t i = 0; i < f->rows[values]; i++) {
+        struct cache_head head;
+        memcpy(&head, f->section[heads] + i * sizeof head, sizeof head);
         memcpy(row, f->section[values] + i * bytes, bytes);
-        if (!row_of[kind].get(c, i, row)) return SATIN_ERROR_MEMORY;
-        status = read_head(&c->store[kind].tree, f->section[heads] + i * sizeof(struct cache_head));
+        if (!tree_has(&c->store[kind].tree, &head)) return SATIN_ERROR_INPUT;
+        if (!row_of[kind].get(c, &head, row)) return SATIN_ERROR_MEMORY;
     }
-    return status;
+    return SATIN_OK;
 }
 
 satin_status cache_load(struct cache *cache, const struct cache_file *file, const char *name,

@@ -38,13 +38,14 @@ struct job {
 };
 
 struct batch;
-struct gathering;
 
 // Functions for one kind of records.
 struct record_functions {
-    // Makes the record from the gathered hemisphere and its surroundings. Returns whether it is
-    // valid.
-    bool (*make)(const struct batch *batch, struct job *job, const struct gathering *from);
+    // Computes the record and its surroundings from a gathered hemisphere.
+    void (*find)(const struct batch *batch, struct job *job,
+                 const struct gather_hemisphere *hemisphere);
+    // Sets the extent of the record that was found. False if the record is not valid.
+    bool (*make)(const struct batch *batch, struct job *job);
     bool (*insert)(struct batch *batch, struct job *job);  // false if there is no memory
 };
 
@@ -65,10 +66,10 @@ struct batch {
     bool covered[TESTED_MOST];        // results of the tests
 };
 
-// If a few of its rays make up most of a record, as when one of them has hit a small bright
-// surface, it is gathered again with all the rays of the options, and both results are averaged by
-// their numbers of rays. This is the deviation above which that is done: other records have less
-// than .1 to .2 at 50 rays.
+// If a few of its rays make up most of an irradiance record, as when one of them has hit a small
+// bright surface, it is gathered again with all the rays of the options, and both results are
+// averaged by their numbers of rays. This is the deviation above which that is done: other records
+// have less than .1 to .2 at 50 rays.
 static const float UNSURE = 0.4f;
 
 // ---- Choosing the sites of a batch --------------------------------------------------------------
@@ -144,33 +145,25 @@ static bool choose_batch(struct batch *b) {
 
 // ---- Gathering ----------------------------------------------------------------------------------
 
-// What a worker has gathered for a job, and the job's site.
-struct gathering {
-    const struct gather_worker *worker;  // with the hemisphere that was gathered
-    struct gather_site site;
-    bool hessian;
-};
-
 static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), rgb_scale(b, t)); }
 
-// Averages the job's irradiance, which was computed from the hemisphere, with that of all the rays
-// of the options, which replace those of the hemisphere.
-static void add_all_rays(const struct batch *b, struct job *job, const struct gathering *from) {
-    const struct fill *f = b->fill;
-    struct gather_hemisphere *hemisphere = from->worker->hemisphere;
-    struct cache_irradiance_value more, *first = &job->found.irradiance;
-    struct gather_site site = from->site;
-    site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
-    gather_hemisphere_trace(f->g, f->irradiance_whole, &site, from->worker->scratch, hemisphere);
-    gather_hemisphere_irradiance(f->g, hemisphere, &more);
-    gather_surroundings_make(hemisphere, from->hessian, &job->found.around);
-    const float t = (float)more.rays / (float)(more.rays + first->rays);
-    first->E = mix(first->E, more.E, t);
+// The mean of two values of one site, by their numbers of rays.
+static struct cache_irradiance_value average_values(const struct cache_irradiance_value *a,
+                                                    const struct cache_irradiance_value *b) {
+    struct cache_irradiance_value mean = {.rays = a->rays + b->rays};
+    const float t = (float)b->rays / (float)mean.rays;
+    mean.E = mix(a->E, b->E, t);
     for (int k = 0; k < 3; k++) {
-        first->grad_t[k] = v3_mad(v3_mul(first->grad_t[k], 1.0f - t), t, more.grad_t[k]);
-        first->grad_r[k] = v3_mad(v3_mul(first->grad_r[k], 1.0f - t), t, more.grad_r[k]);
+        mean.grad_t[k] = v3_mad(v3_mul(a->grad_t[k], 1.0f - t), t, b->grad_t[k]);
+        mean.grad_r[k] = v3_mad(v3_mul(a->grad_r[k], 1.0f - t), t, b->grad_r[k]);
     }
-    first->rays += more.rays;
+    return mean;
+}
+
+static void find_surroundings(const struct batch *b, struct job *job,
+                              const struct gather_hemisphere *hemisphere) {
+    const bool hessian = b->store->options.radius == SATIN_RADIUS_HESSIAN;
+    gather_surroundings_make(hemisphere, hessian, &job->found.around);
 }
 
 // The light that the site reflects to the eye and that the harmonics leave out.
@@ -184,9 +177,13 @@ static struct cache_residual find_residual(const struct batch *b, const struct j
     return fill_residual(&job->radiance, b->store->order, &s->frame, &s->glossy, whole);
 }
 
-static bool make_irradiance(const struct batch *b, struct job *job, const struct gathering *from) {
-    gather_hemisphere_irradiance(b->fill->g, from->worker->hemisphere, &job->found.irradiance);
-    if (job->found.around.deviation > UNSURE) add_all_rays(b, job, from);
+static void find_irradiance(const struct batch *b, struct job *job,
+                            const struct gather_hemisphere *hemisphere) {
+    find_surroundings(b, job, hemisphere);
+    gather_hemisphere_irradiance(b->fill->g, hemisphere, &job->found.irradiance);
+}
+
+static bool make_irradiance(const struct batch *b, struct job *job) {
     if (!fill_valid_irradiance(&job->found.irradiance, &job->found.around)) return false;
     job->found.extent =
         fill_extent_irradiance(b->fill, job->site, &job->found.around, &job->found.irradiance);
@@ -202,10 +199,15 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
     for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
 }
 
-static bool make_radiance(const struct batch *b, struct job *job, const struct gathering *from) {
-    gather_hemisphere_radiance(b->fill->g, from->worker->hemisphere, &job->radiance);
+static void find_radiance(const struct batch *b, struct job *job,
+                          const struct gather_hemisphere *hemisphere) {
+    find_surroundings(b, job, hemisphere);
+    gather_hemisphere_radiance(b->fill->g, hemisphere, &job->radiance);
     job->found.radiance_rays = job->radiance.rays;
-    job->found.residual = find_residual(b, job, from->worker->hemisphere);
+    job->found.residual = find_residual(b, job, hemisphere);
+}
+
+static bool make_radiance(const struct batch *b, struct job *job) {
     if (!fill_valid_radiance(&job->radiance, b->store->order, &job->found.around) ||
         !rgb_finite(job->found.residual.L))
         return false;
@@ -226,24 +228,41 @@ static bool allocate_values(struct batch *b) {
     return true;
 }
 
+// Whether a few of its rays make up most of a record.
+static bool is_unsure(const struct batch *b, const struct job *job) {
+    return b->kind == CACHE_IRRADIANCE && job->found.around.deviation > UNSURE;
+}
+
+// Gathers an irradiance record again, by all the rays of the options, and averages both values.
+static void add_all_rays(const struct batch *b, struct job *job, const struct gather_site *site,
+                         const struct gather_worker *w) {
+    const struct cache_irradiance_value first = job->found.irradiance;
+    struct gather_site again = *site;
+    again.stream = rng_mix(site->stream ^ 0x9e3779b97f4a7c15ull);
+    gather_hemisphere_trace(b->fill->g, b->fill->irradiance_whole, &again, w->scratch,
+                            w->hemisphere);
+    find_irradiance(b, job, w->hemisphere);
+    job->found.irradiance = average_values(&first, &job->found.irradiance);
+}
+
 // Gathers the jobs [begin, end) of a batch. A record that is not finite or out of range is gathered
 // again with other random numbers.
 static void make_records(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     const struct fill *f = b->fill;
     const struct gather_worker *w = &f->worker[worker];
-    const bool hessian = b->store->options.radius == SATIN_RADIUS_HESSIAN;
     for (struct job *job = b->job + begin; job < b->job + end; job++) {
         const struct fill_site *s = job->site;
         const struct gather_layout *layout =
             fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->factor_max);
-        struct gathering at = {w, {s->p, s->ng, s->frame, s->stream, true}, hessian};
+        struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
         for (int attempt = 0; attempt < ATTEMPTS && !job->found.valid; attempt++) {
-            gather_hemisphere_trace(f->g, layout, &at.site, w->scratch, w->hemisphere);
-            gather_surroundings_make(w->hemisphere, hessian, &job->found.around);
-            job->found.valid = b->records->make(b, job, &at);
+            gather_hemisphere_trace(f->g, layout, &site, w->scratch, w->hemisphere);
+            b->records->find(b, job, w->hemisphere);
+            if (is_unsure(b, job)) add_all_rays(b, job, &site, w);
+            job->found.valid = b->records->make(b, job);
             if (!job->found.valid) job->found.refused++;
-            at.site.stream = rng_mix(at.site.stream + 0x9e3779b97f4a7c15ull);
+            site.stream = rng_mix(site.stream + 0x9e3779b97f4a7c15ull);
         }
     }
 }
@@ -334,8 +353,8 @@ static bool insert_radiance(struct batch *b, struct job *job) {
 // ---- All batches --------------------------------------------------------------------------------
 
 static const struct record_functions functions[CACHE_KINDS] = {
-    [CACHE_IRRADIANCE] = {make_irradiance, insert_irradiance},
-    [CACHE_RADIANCE] = {make_radiance, insert_radiance},
+    [CACHE_IRRADIANCE] = {find_irradiance, make_irradiance, insert_irradiance},
+    [CACHE_RADIANCE] = {find_radiance, make_radiance, insert_radiance},
 };
 
 satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites) {

@@ -12,9 +12,7 @@
 #include "film/film.h"
 
 enum {
-    EXR_BATCH = 64,  // compressed chunks in memory at once
-    ZIP_EFFORT = 4,  // fixed, as defaults differ; with noisy floats the sizes of 1 to 9 differ by
-                     // 1.5 %
+    EXR_BATCH = 64,      // compressed chunks in memory at once
     SHORT_NAME_MAX = 31  // longer names need a flag that readers before OpenEXR 1.7 refuse
 };
 
@@ -241,7 +239,7 @@ static exr_result_t write_header(struct writer *w) {
 static exr_result_t write_file(struct writer *w, struct parallel *pool, size_t *dropped) {
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = ignore_exr_error;
-    init.zip_level = ZIP_EFFORT;
+    init.zip_level = FILM_ZIP_EFFORT;
     init.write_fn = write_bytes;
     init.user_data = &w->file;
     exr_result_t r = exr_start_write(&w->exr, w->file.temporary, EXR_WRITE_FILE_DIRECTLY, &init);

@@ -96,6 +96,19 @@ int gather_panes(const struct gather *g, int depth);
 float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
                        const struct interaction *hit);
 
+// Emitted light that a ray meets.
+struct gather_met_light {
+    rgb Le;       // [W m^-2 sr^-1]
+    bool direct;  // whether light samples at `from` can find it too
+    float
+        light_pdf;  // density [sr^-1] with which light samples at `from` draw it; 0: there are none
+};
+// The light that is emitted at `hit` (NULL: the environment) towards the end of a chain, where the
+// ray has direction d. `from` is the point with light samples at which the chain began, against
+// which the light is to be weighted (mis_power); NULL: there is none.
+struct gather_met_light gather_meet_light(const struct gather *g, const struct light_chain *chain,
+                                          vec3 d, const vec3 *from, const struct interaction *hit);
+
 // The first surface that a ray hits.
 struct gather_first {
     float r;  // its distance; INFINITY if there is none
@@ -221,11 +234,12 @@ struct gather_hemisphere {
     const struct gather_layout *layout;
     struct frame frame;        // of the site; local directions refer to it
     size_t stratified, count;  // numbers of stratified rays, and of all rays
-    struct gather_ray *ray;    // L is weighted, so that every ray counts as a stratified one
-    float *x, *y, *z;          // local directions
-    float *r, *g, *b;          // L times the solid angle of a stratified ray, 2 pi / stratified;
-                               // undefined in a cosine-weighted layout
-    float *work;               // 6 * count, scratch for computations on the hemisphere
+    struct gather_ray *ray;
+    rgb *L;            // radiance along each ray, weighted so that all count as stratified ones
+    float *x, *y, *z;  // local directions
+    float *r, *g, *b;  // L times the solid angle of a stratified ray, 2 pi / stratified; undefined
+                       // in a cosine-weighted layout
+    float *work;       // 6 * count, scratch for computations on the hemisphere
 };
 
 // Allocates memory for up to `rays` stratified rays and half as many guided ones. NULL if there is

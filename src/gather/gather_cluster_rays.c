@@ -38,14 +38,10 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
     h->count = h->stratified + (size_t)draw.drawn;
 }
 
-void gather_cluster_rays_weights(const struct gather_cluster_rays *clusters,
-                                 struct gather_hemisphere *h) {
-    if (clusters->to.count == 0) return;
-    for (size_t i = 0; i < h->count; i++) {
-        struct gather_ray *ray = &h->ray[i];
-        const float pdf_w = h->layout->order ? 0.5f / PI_F : h->z[i] / PI_F;
-        const float weight = guide_rays_weight(&clusters->to, (int)i - (int)h->stratified,
-                                               ray->ray.d, (float)h->stratified * pdf_w);
-        ray->L = rgb_scale(ray->L, weight);
-    }
+float gather_cluster_rays_weight(const struct gather_cluster_rays *clusters,
+                                 const struct gather_hemisphere *h, size_t i) {
+    if (clusters->to.count == 0) return 1.0f;
+    const float pdf_w = h->layout->order ? 0.5f / PI_F : h->z[i] / PI_F;
+    return guide_rays_weight(&clusters->to, (int)i - (int)h->stratified, h->ray[i].ray.d,
+                             (float)h->stratified * pdf_w);
 }

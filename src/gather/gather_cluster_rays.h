@@ -15,8 +15,8 @@ struct gather_cluster_rays {
 // Appends rays from the site to clusters to the stratified rays of a hemisphere.
 void gather_cluster_rays_add(const struct gather *g, const struct gather_site *site,
                              struct gather_hemisphere *h, struct gather_cluster_rays *out);
-// Weights L of all rays, after tracing, so that each counts as a stratified ray.
-void gather_cluster_rays_weights(const struct gather_cluster_rays *clusters,
-                                 struct gather_hemisphere *h);
+// The factor of the radiance along ray i of the hemisphere by which it counts as a stratified one.
+float gather_cluster_rays_weight(const struct gather_cluster_rays *clusters,
+                                 const struct gather_hemisphere *h, size_t i);
 
 #endif

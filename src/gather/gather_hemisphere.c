@@ -28,8 +28,9 @@ struct gather_hemisphere *gather_hemisphere_new(size_t rays) {
     if (!h) return NULL;
     const size_t capacity = rays + rays / 2;
     h->ray = array_new(capacity, sizeof *h->ray);
+    h->L = array_new(capacity, sizeof *h->L);
     h->x = array_new(12 * capacity, sizeof *h->x);
-    if (!h->ray || !h->x) {
+    if (!h->ray || !h->L || !h->x) {
         gather_hemisphere_free(h);
         return NULL;
     }
@@ -45,6 +46,7 @@ struct gather_hemisphere *gather_hemisphere_new(size_t rays) {
 void gather_hemisphere_free(struct gather_hemisphere *hemisphere) {
     if (!hemisphere) return;
     free(hemisphere->ray);
+    free(hemisphere->L);
     free(hemisphere->x);
     free(hemisphere);
 }
@@ -115,11 +117,12 @@ void gather_hemisphere_trace(const struct gather *g, const struct gather_layout 
     make_stratified_rays(g, site, h);
     gather_cluster_rays_add(g, site, h, &clusters);
     gather_rays_guided(g, scratch, h->ray, h->count, site->stream, &clusters.near);
-    gather_cluster_rays_weights(&clusters, h);
+    for (size_t i = 0; i < h->count; i++)
+        h->L[i] = rgb_scale(h->ray[i].L, gather_cluster_rays_weight(&clusters, h, i));
     if (!layout->order) return;
     const float solid_angle = 2.0f * PI_F / (float)h->stratified;
     for (size_t i = 0; i < h->count; i++) {
-        const rgb L = rgb_scale(h->ray[i].L, solid_angle);
+        const rgb L = rgb_scale(h->L[i], solid_angle);
         h->r[i] = L.r;
         h->g[i] = L.g;
         h->b[i] = L.b;
@@ -133,17 +136,16 @@ void gather_hemisphere_trace(const struct gather *g, const struct gather_layout 
 static void rotation_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
     const struct gather_layout *l = h->layout;
     for (int k = 0; k < l->N; k++) {
-        const struct gather_ray *ray = h->ray + k;
+        const rgb *L = h->L + k;
         const vec3 axis = v3(-l->sin_k[k], l->cos_k[k], 0.0f);
         rgb change = rgb_grey(0.0f);
-        for (int j = 0; j < l->M; j++, ray += l->N)
-            change = rgb_mad(change, ray->L, l->rotation[j]);
+        for (int j = 0; j < l->M; j++, L += l->N) change = rgb_mad(change, *L, l->rotation[j]);
         gather_gradient_add(grad, change, axis);
     }
     // Guided rays: by the derivative of the cosine, each for pi / stratified of cos(theta) Omega.
     for (size_t i = h->stratified; i < h->count; i++) {
         float weight = PI_F / (float)h->stratified / h->z[i];
-        gather_gradient_add(grad, rgb_scale(h->ray[i].L, weight), v3(-h->y[i], h->x[i], 0.0f));
+        gather_gradient_add(grad, rgb_scale(h->L[i], weight), v3(-h->y[i], h->x[i], 0.0f));
     }
 }
 
@@ -160,7 +162,7 @@ static void irradiance_gradients(const struct gather_hemisphere *h, satin_gradie
 void gather_hemisphere_irradiance(const struct gather *g, const struct gather_hemisphere *h,
                                   struct cache_irradiance_value *out) {
     *out = (struct cache_irradiance_value){.rays = (uint32_t)h->count};
-    for (size_t i = 0; i < h->count; i++) out->E = rgb_add(out->E, h->ray[i].L);
+    for (size_t i = 0; i < h->count; i++) out->E = rgb_add(out->E, h->L[i]);
     out->E = rgb_scale(out->E, PI_F / (float)h->stratified);
     irradiance_gradients(h, g->options->irradiance_gradients, out->grad_t);
     rotation_gradient(h, out->grad_r);
@@ -199,7 +201,7 @@ static void project_noise(const struct gather_hemisphere *h, float *noise) {
     float *value = h->work, *zero = h->work + h->count;
     float sum[3 * RSH_MAX_COEFFICIENTS] = {0};
     for (size_t i = 0; i < h->count; i++) {
-        value[i] = weight * rgb_luminance(h->ray[i].L);
+        value[i] = weight * rgb_luminance(h->L[i]);
         zero[i] = 0.0f;
     }
     for (int j = 0; j < l->M; j++)
@@ -225,7 +227,7 @@ rgb gather_hemisphere_reflected(const struct gather_hemisphere *h, const struct 
     for (size_t i = 0; i < h->count; i++) {
         const vec3 wi = v3(h->x[i], h->y[i], h->z[i]);
         const rgb f = brdf_eval(brdf, wo, wi, lobes);
-        sum = rgb_fma(sum, rgb_scale(f, wi.z), h->ray[i].L);
+        sum = rgb_fma(sum, rgb_scale(f, wi.z), h->L[i]);
     }
     return rgb_scale(sum, 2.0f * PI_F / (float)h->stratified);
 }

@@ -27,14 +27,10 @@ struct path_walk {
 // against light samples at the start of the chain. *T is set to the throughput for it.
 static rgb emitted(const struct gather *g, const struct path_walk *walk,
                    const struct interaction *hit, rgb *T) {
-    const vec3 d = walk->ray.d;
-    rgb Le = light_chain_emitted(&walk->chain, g->scene, hit, d);
-    *T = walk->rest;
-    if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;
-    if (!light_chain_straight(&walk->chain, d)) return Le;
-    *T = walk->T;
-    const float light_pdf = gather_light_pdf(g, walk->from, &walk->chain, hit);
-    return rgb_scale(Le, mis_power(walk->pdf_w, light_pdf));
+    const vec3 *from = walk->pdf_w > 0.0f ? &walk->from : NULL;
+    const struct gather_met_light met = gather_meet_light(g, &walk->chain, walk->ray.d, from, hit);
+    *T = met.direct ? walk->T : walk->rest;
+    return met.direct ? rgb_scale(met.Le, mis_power(walk->pdf_w, met.light_pdf)) : met.Le;
 }
 
 // The number of light samples at a point that is `depth` segments from the eye. For each sample of

@@ -106,6 +106,14 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
     return sum;
 }
 
+struct gather_met_light gather_meet_light(const struct gather *g, const struct light_chain *chain,
+                                          vec3 d, const vec3 *from, const struct interaction *hit) {
+    struct gather_met_light met = {.Le = light_chain_emitted(chain, g->scene, hit, d)};
+    met.direct = from && !rgb_black(met.Le) && light_chain_straight(chain, d);
+    if (met.direct) met.light_pdf = gather_light_pdf(g, *from, chain, hit);
+    return met;
+}
+
 float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
                        const struct interaction *hit) {
     const struct satin_scene *scene = g->scene;

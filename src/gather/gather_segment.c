@@ -14,13 +14,12 @@ static const float DELTA_SURVIVE = 0.98f;
 static void add_met_light(const struct gather *g, const struct gather_segment_start *start,
                           const struct light_chain *chain, vec3 d, const struct interaction *hit,
                           struct gather_segment *out) {
-    const rgb Le = light_chain_emitted(chain, g->scene, hit, d);
-    if (rgb_black(Le)) return;
-    if (!light_chain_straight(chain, d)) {
-        out->Le_specular = rgb_fma(out->Le_specular, out->T, Le);
+    const struct gather_met_light met = gather_meet_light(g, chain, d, start->lit, hit);
+    if (!met.direct) {
+        out->Le_specular = rgb_fma(out->Le_specular, out->T, met.Le);
     } else if (chain->crossed <= gather_panes(g, start->depth)) {
-        out->Le = rgb_mul(out->T, Le);
-        out->light_pdf = gather_light_pdf(g, *start->lit, chain, hit);
+        out->Le = rgb_mul(out->T, met.Le);
+        out->light_pdf = met.light_pdf;
     }
 }
 

@@ -73,7 +73,7 @@ void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool diffe
             change = v3_mul(v3_mad(v3_mul(at.n, 1.0f / at.c), 4.0f, at.w), 1.0f / at.r);
             change.z = 0.0f;
         }
-        const rgb L = rgb_scale(h->ray[i].L, weight);
+        const rgb L = rgb_scale(h->L[i], weight);
         grad[0] = v3_mad(grad[0], L.r, change);
         grad[1] = v3_mad(grad[1], L.g, change);
         grad[2] = v3_mad(grad[2], L.b, change);

@@ -24,14 +24,15 @@ static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) 
     return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(offset);
 }
 
-// (L_jk - L_neighbour) / r: the rate at which light crosses the boundary between two strata. r is
-// the distance of the surface that it sweeps over: that of the nearer side if it hides the other
-// one, or if `nearer`.
-static rgb boundary_change(const struct gather_ray *a, const struct gather_ray *b, bool nearer) {
+// (L_jk - L_neighbour) / r: the rate at which light crosses the boundary between the strata of two
+// rays. r is the distance of the surface that it sweeps over: that of the nearer side if it hides
+// the other one, or if `nearer`.
+static rgb boundary_change(const struct gather_hemisphere *h, int ray, int neighbour, bool nearer) {
+    const struct gather_ray *a = &h->ray[ray], *b = &h->ray[neighbour];
     float r = fminf(a->first.r, b->first.r), far = fmaxf(a->first.r, b->first.r);
     if (!isfinite(r) || !(r > 0.0f)) return rgb_grey(0.0f);
     if (!nearer && isfinite(far) && one_surface(a, b)) r = 0.5f * (r + far);
-    return rgb_scale(rgb_sub(a->L, b->L), 1.0f / r);
+    return rgb_scale(rgb_sub(h->L[ray], h->L[neighbour]), 1.0f / r);
 }
 
 void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
@@ -42,12 +43,12 @@ void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_h
         const int before = k ? k - 1 : l->N - 1;
         rgb along_u = rgb_grey(0.0f), along_v = rgb_grey(0.0f);
         for (int j = 0; j < l->M; j++) {
-            const struct gather_ray *row = h->ray + (size_t)j * (size_t)l->N;
+            const int row = j * l->N, i = row + k;
             if (j > 0)
-                along_u = rgb_mad(along_u, boundary_change(&row[k], &row[k] - l->N, ward_heckbert),
+                along_u = rgb_mad(along_u, boundary_change(h, i, i - l->N, ward_heckbert),
                                   l->boundary_u[j]);
-            along_v = rgb_mad(along_v, boundary_change(&row[k], &row[before], ward_heckbert),
-                              weight_v[j]);
+            along_v =
+                rgb_mad(along_v, boundary_change(h, i, row + before, ward_heckbert), weight_v[j]);
         }
         gather_gradient_add(grad, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
         gather_gradient_add(grad, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
@@ -88,15 +89,16 @@ void gather_stratified_radiance(const struct gather_hemisphere *h, float *dx, fl
     const int N = l->N, n2 = l->order * l->order;
     float *boundary = h->work;
     for (int j = 0; j < l->M; j++) {
-        const struct gather_ray *row = h->ray + (size_t)j * (size_t)N;
+        const int row = j * N;
         if (j > 0) {
             for (int k = 0; k < N; k++)
-                put_boundary(boundary, N, k, boundary_change(row + k, row + k - N, false),
+                put_boundary(boundary, N, k, boundary_change(h, row + k, row + k - N, false),
                              l->cos_k[k], l->sin_k[k]);
             add_row(l, boundary, l->trig_u, l->row_u + j * n2, dx, dy);
         }
         for (int k = 0; k < N; k++)
-            put_boundary(boundary, N, k, boundary_change(row + k, row + (k ? k - 1 : N - 1), false),
+            put_boundary(boundary, N, k,
+                         boundary_change(h, row + k, row + (k ? k - 1 : N - 1), false),
                          -l->sin_w[k], l->cos_w[k]);
         add_row(l, boundary, l->trig_v, l->row_v + j * n2, dx, dy);
     }

@@ -52,12 +52,12 @@ static float deviation(const struct gather_hemisphere *h) {
         for (int k = 0; k < l->N; k++) {
             size_t i = (size_t)(j * l->N + k);
             double w = l->order ? (double)h->z[i] : 1.0;
-            sum[(3 * j + k) % GROUPS] += w * (double)rgb_luminance(h->ray[i].L);
+            sum[(3 * j + k) % GROUPS] += w * (double)rgb_luminance(h->L[i]);
             weight[(3 * j + k) % GROUPS] += w;
         }
     for (size_t i = h->stratified; i < h->count; i++) {
         double w = l->order ? (double)h->z[i] : 1.0;
-        sum[i % GROUPS] += w * (double)rgb_luminance(h->ray[i].L);
+        sum[i % GROUPS] += w * (double)rgb_luminance(h->L[i]);
     }
     for (int i = 0; i < GROUPS; i++) {
         all += sum[i];
@@ -84,11 +84,13 @@ static void add_rotated(const float constant[3], float cosine, float sine, float
     hessian[2] += weight * (ss * constant[0] + 2.0f * cs * constant[1] + cc * constant[2]);
 }
 
-// The change of luminance across a boundary, over the squared distance of the nearer side.
-static float step_over(const struct gather_ray *from, const struct gather_ray *to) {
-    float r = to ? fminf(from->first.r, to->first.r) : from->first.r;
+// The change of luminance across the boundary between the strata of two rays, over the squared
+// distance of the nearer side. `to` -1: beyond it is nothing.
+static float step_over(const struct gather_hemisphere *h, int from, int to) {
+    const float here = h->ray[from].first.r;
+    const float r = to < 0 ? here : fminf(here, h->ray[to].first.r);
     if (!(isfinite(r) && r > 0.0f)) return 0.0f;
-    return (rgb_luminance(from->L) - (to ? rgb_luminance(to->L) : 0.0f)) / (r * r);
+    return (rgb_luminance(h->L[from]) - (to < 0 ? 0.0f : rgb_luminance(h->L[to]))) / (r * r);
 }
 
 // Adds the contribution of the stratified rays to the Hessian.
@@ -97,11 +99,11 @@ static void add_boundaries(const struct gather_hemisphere *h, float hessian[3]) 
     const int N = l->N;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < N; k++) {
-            const struct gather_ray *here = &h->ray[j * N + k];
-            const struct gather_ray *before = &h->ray[j * N + (k ? k - 1 : N - 1)];
-            const struct gather_ray *below = j + 1 < l->M ? here + N : NULL;
-            add_rotated(l->hessian_u[j], l->cos_k[k], l->sin_k[k], step_over(here, below), hessian);
-            add_rotated(l->hessian_v[j], l->cos_w[k], l->sin_w[k], step_over(before, here),
+            const int here = j * N + k, before = j * N + (k ? k - 1 : N - 1);
+            const int below = j + 1 < l->M ? here + N : -1;
+            add_rotated(l->hessian_u[j], l->cos_k[k], l->sin_k[k], step_over(h, here, below),
+                        hessian);
+            add_rotated(l->hessian_v[j], l->cos_w[k], l->sin_w[k], step_over(h, before, here),
                         hessian);
         }
 }
@@ -116,7 +118,7 @@ static void add_point(const struct gather_hemisphere *h, size_t i, float weight,
     const vec3 n = frame_to_local(&h->frame, ray->first.ng);
     const float c = -v3_dot(n, w);
     if (!(isfinite(r) && r > 0.0f && fabsf(c) > RAY_GRAZING)) return;
-    const float value = weight * rgb_luminance(ray->L) / (r * r);
+    const float value = weight * rgb_luminance(h->L[i]) / (r * r);
     const float gx = n.x / c + 4.0f * w.x, gy = n.y / c + 4.0f * w.y;
     out[0] += value * (gx * gx - n.x * n.x / (c * c) + 8.0f * w.x * w.x - 4.0f);
     out[1] += value * (gx * gy - n.x * n.y / (c * c) + 8.0f * w.x * w.y);

@@ -38,7 +38,9 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     if (status != SATIN_OK) return status;
     for (uint32_t i = 0; i < scene_camera_count(&r->scene); i++)
         if (scene_camera_check(&r->scene, scene_camera_at(&r->scene, i), r->log)) break;
-    return allocate_image(r);
+    status = allocate_image(r);
+    if (status == SATIN_OK) render_budget_begin(r);
+    return status;
 }
 
 // After the course has changed to path tracing: the film gets the channels of that integrator.

@@ -16,7 +16,7 @@
 
 #include <string.h>
 
-#include "render/render_state.h"
+#include "render/render_image.h"
 
 // The time per photon varies a hundredfold between scenes; this fraction of them measures it.
 static const double FIRST_PHOTONS = 1.0 / 16.0;
@@ -103,11 +103,9 @@ static const double DENOISE_FRACTION = 0.5;
 // The time of the coarse image of a cancelled render, and of its denoising [s].
 static const double COARSE_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 
-// Compressing the pixels' channels takes most of the time for writing a film: the seconds of one
-// core. They cannot be measured before, and are a small part of a limit: if a core is five times
-// slower than the one where they were measured, an image of a million pixels is 4.5 s late on one
-// core, and .1 s on 64.
-static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
+// The time for the film beside that of compressing it, which is measured: a file of its metadata is
+// written and renamed [s].
+static const double WRITE_SECONDS = 0.05;
 
 enum {
     EQUAL_LEAST = 2,     // least number of samples per pixel that are distributed equally
@@ -170,13 +168,18 @@ bool render_budget_denoises(const struct render *r) {
 
 static double finish_seconds(const struct render *r) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    return WRITE_SECONDS + WRITE_PIXEL_SECONDS * pixels / parallel_threads(r->pool) +
+    return WRITE_SECONDS + r->progress.write_pixel_seconds * pixels / parallel_threads(r->pool) +
            denoise_seconds(r);
 }
 
 // The remaining seconds for records and image.
 static double image_seconds(const struct render *r) {
     return render_agreed(r, render_time_left(r) - finish_seconds(r));
+}
+
+void render_budget_begin(struct render *r) {
+    if (r->options.time > 0.0)
+        r->progress.write_pixel_seconds = film_exr_pixel_seconds(r->image->film->channel_count);
 }
 
 // ---- Limits of loops ----------------------------------------------------------------------------

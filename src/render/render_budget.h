@@ -11,9 +11,8 @@
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,
 // which must not change an image. With one, they are fractions of time and of measured speeds, so
-// that they scale with the cores. Only two things are not measured while rendering: the time for
-// writing the film, which is last, is the speed of one machine (WRITE_PIXEL_SECONDS), and relative
-// costs of rays are those on the data scenes (render_budget_sample_cost).
+// that they scale with the cores. Only the relative costs of rays are not measured while rendering:
+// they are those on the data scenes (render_budget_sample_cost).
 #ifndef RENDER_BUDGET_H
 #define RENDER_BUDGET_H
 
@@ -26,6 +25,9 @@
 struct render;
 struct shade_counts;
 
+// To be called when the image is allocated: measures how long the film will take, if the time is
+// limited.
+void render_budget_begin(struct render *r);
 // Seconds since the render began; the same on all ranks, which must all call it.
 double render_elapsed(const struct render *r);
 // The seconds that remain of options.time.

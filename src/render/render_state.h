@@ -61,6 +61,7 @@ struct render_progress {
     double skipped;      // fraction of the stage that an earlier process has done
     double loop_done, loop_span;  // the current loop is [done, done + span] of the stage
     double last_report;           // wall clock at the last report to the caller
+    double write_pixel_seconds;   // of one core for writing a pixel of the film; 0: no time limit
 };
 
 // The first pass: photons, and the visibility of the lights.

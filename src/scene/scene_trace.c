@@ -183,46 +183,54 @@ static void interaction_of(const struct satin_scene *scene, const struct accel *
     out->light = shape->light;
 }
 
-static bool find_hit(const struct satin_scene *scene, const struct ray *ray, bool whole,
-                     struct interaction *out) {
-    struct RTCRayHit hit;
-    if (!ray_load(ray, &hit.ray)) return false;
-    hit.ray.id = whole;  // read by the masks
-    hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+// Sets a query for the nearest hit, without one so far. False if the ray cannot hit anything.
+static bool query_load(const struct ray *ray, struct RTCRayHit *out) {
+    out->hit.geomID = out->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return ray_load(ray, &out->ray);
+}
+
+// Sets *out to what a query has hit. False if that is nothing.
+static bool hit_interaction(const struct satin_scene *scene, const struct ray *ray,
+                            const struct RTCRayHit *hit, struct interaction *out) {
     const struct trace *trace = scene->trace;
-    scene_embree_intersect(trace->top.scene, &hit);
-    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    if (hit.hit.instID[0] == RTC_INVALID_GEOMETRY_ID) {
-        interaction_of(scene, &trace->top, &hit, ray, 0.0f, out);
+    if (hit->hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    if (hit->hit.instID[0] == RTC_INVALID_GEOMETRY_ID) {
+        interaction_of(scene, &trace->top, hit, ray, 0.0f, out);
     } else {
-        const uint32_t instance = trace->top.geometry_shape[hit.hit.instID[0]];
+        const uint32_t instance = trace->top.geometry_shape[hit->hit.instID[0]];
         const struct shape *shape = &scene->shape[instance];
         struct ray local = scene_instance_ray(shape, ray);
-        float margin = scene_instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
-        interaction_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
+        float margin = scene_instance_margin(scene, shape, v3_mad(ray->o, hit->ray.tfar, ray->d));
+        interaction_of(scene, &trace->group[shape->instance_of], hit, &local, margin, out);
         bool tangent = scene->material[out->material].tangent;
         scene_instance_to_world(shape, tangent, tangent || scene->hints.aovs.partials, out);
         out->instance = instance + 1;
     }
-    out->t = hit.ray.tfar;
+    out->t = hit->ray.tfar;
     out->footprint = 0.0f;
     return true;
 }
 
 bool scene_intersect(const struct satin_scene *scene, const struct ray *ray,
                      struct interaction *out) {
-    return find_hit(scene, ray, false, out);
+    struct RTCRayHit hit;
+    if (!query_load(ray, &hit)) return false;
+    scene_embree_intersect(scene->trace->top.scene, &hit);
+    return hit_interaction(scene, ray, &hit, out);
 }
 
 bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
                            struct interaction *out) {
-    return find_hit(scene, ray, true, out);
+    struct RTCRayHit hit;
+    if (!query_load(ray, &hit)) return false;
+    hit.ray.id = true;  // read by the masks
+    scene_embree_intersect(scene->trace->top.scene, &hit);
+    return hit_interaction(scene, ray, &hit, out);
 }
 
 float scene_distance(const struct satin_scene *scene, const struct ray *ray) {
     struct RTCRayHit hit;
-    if (!ray_load(ray, &hit.ray)) return INFINITY;
-    hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    if (!query_load(ray, &hit)) return INFINITY;
     scene_embree_intersect(scene->trace->top.scene, &hit);
     return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? INFINITY : hit.ray.tfar;
 }

@@ -156,9 +156,10 @@ static void gradients_fill(const struct gradients_scene *scene, const struct gat
                               : sample_cosine_hemisphere(u, v);
             struct gather_ray *ray = &h->ray[i];
             ray->ray = (struct ray){.o = p, .d = w};
-            ray->L = gradients_look(scene, p, w, &ray->first);
+            h->L[i] = gradients_look(scene, p, w, &ray->first);
             h->x[i] = w.x, h->y[i] = w.y, h->z[i] = w.z;
-            h->r[i] = weight * ray->L.r, h->g[i] = weight * ray->L.g, h->b[i] = weight * ray->L.b;
+            h->r[i] = weight * h->L[i].r, h->g[i] = weight * h->L[i].g,
+            h->b[i] = weight * h->L[i].b;
         }
 }
 

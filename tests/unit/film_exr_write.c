@@ -220,8 +220,19 @@ static void a_failure_leaves_no_file(void **state) {
     unlink("kept.exr");
 }
 
+static void the_time_of_writing_grows_with_the_channels(void **state) {
+    (void)state;
+    double one = 0.0, twenty = 0.0;
+    for (int i = 0; i < 5; i++) {
+        one += film_exr_pixel_seconds(1);
+        twenty += film_exr_pixel_seconds(20);
+    }
+    assert_true(one > 0.0 && twenty > one && twenty < 1e-3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_time_of_writing_grows_with_the_channels),
         cmocka_unit_test(writing_and_reading_return_the_same),
         cmocka_unit_test(threads_do_not_change_the_bytes_of_a_file),
         cmocka_unit_test(colours_are_half_floats_where_these_serve),

@@ -43,8 +43,8 @@ static void gather_solid_angle_start(struct gather_solid_angle_fixture *f, satin
                                    frame_to_world(&f->frame, v3_unit(v3_sub(tilt, w)))};
         if (i % 11 == 0) hit.ng = GATHER_NOTHING.ng;
         h->ray[i].first = i % 7 ? hit : GATHER_NOTHING;
-        h->ray[i].L = rgb_make(rng_float(&rng), rng_float(&rng), rng_float(&rng));
-        const rgb value = rgb_scale(h->ray[i].L, 2.0f * PI_F / (float)f->count);
+        h->L[i] = rgb_make(rng_float(&rng), rng_float(&rng), rng_float(&rng));
+        const rgb value = rgb_scale(h->L[i], 2.0f * PI_F / (float)f->count);
         h->r[i] = value.r, h->g[i] = value.g, h->b[i] = value.b;
     }
 }
@@ -143,7 +143,7 @@ static void irradiance_of_a_patch_has_its_gradients(void **state) {
             const int side = k & 1 ? 1 : -1, axis = k >> 1;
             double w[3], omega, h = 1e-4 * (double)f.hemisphere->ray[i].first.r;
             if (!moved(&f, i, axis, side * h, w, &omega)) continue;
-            const rgb L = f.hemisphere->ray[i].L;
+            const rgb L = f.hemisphere->L[i];
             const double change = side * omega * w[2] / (double)f.hemisphere->z[i] / (2.0 * h) *
                                   (double)PI_F / (double)f.count;
             wanted[axis] += (double)L.r * change;

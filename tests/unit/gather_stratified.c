@@ -37,7 +37,7 @@ static void gather_stratified_look(struct gather_hemisphere *h, const struct gat
             float L = 1.0f + v3_dot(a, w);
             h->ray[i].ray.d = w;
             h->ray[i].first = (struct gather_first){1.0f, v3_neg(w)};
-            h->ray[i].L = rgb_make(L, 2.0f * L, 3.0f * L);
+            h->L[i] = rgb_make(L, 2.0f * L, 3.0f * L);
         }
 }
 
