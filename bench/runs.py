@@ -57,15 +57,18 @@ def scene_file(*parts):
     return os.path.join(ROOT, "data", "scenes", *parts) + ".xml"
 
 
-def render(options, scene, out, *args, satin=None):
-    """Renders to DIR/out.exr: its path, and the statistics as a dictionary."""
+def render(options, scene, out, *args, satin=None, frame=None):
+    """Renders to DIR/out.exr, or to DIR/out-N.exr frame number N of an animation: its path, and the
+    statistics as a dictionary."""
     os.makedirs(options.dir, exist_ok=True)
-    image = os.path.join(options.dir, out + ".exr")
-    stats = os.path.join(options.dir, out + ".json")
+    name = os.path.join(options.dir, out) + ("-#" if frame else "")
+    image, stats = (name + suffix for suffix in (".exr", ".json"))
+    frames = ["--frames", str(frame)] if frame else []
     threads, env = (["--threads", "1"], {**os.environ, "LD_PRELOAD": CPU_CLOCK}) \
         if options.cpu else ([], None)
     run([satin or options.satin, "render", scene, "-o", image, "--stats", stats, "--quiet",
-         *args, *threads, *options.extra.split()], env)
+         *frames, *args, *threads, *options.extra.split()], env)
+    image, stats = (path.replace("#", str(frame)) for path in (image, stats))
     with open(stats, encoding="utf-8") as file:
         return image, json.load(file)
 

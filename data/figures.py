@@ -6,8 +6,9 @@ four of teapot and hall.
 """
 import math
 
-from parts import (area_light, box, curtain, diffuse, element, lathe, plugin, ply, real, rectangle,
-                   ref, rgb, scene, sensor, sphere, sweep, to_world, translate, value)
+from parts import (area_light, box, camera_path, curtain, diffuse, element, lathe, plugin, ply,
+                   real, rectangle, ref, rgb, scene, sensor, sphere, sweep, to_world, translate,
+                   value)
 
 WHITE = diffuse("white", 0.7, 0.68, 0.64)
 # A brushed metal in three lobes: sharp, broad, almost diffuse.
@@ -24,15 +25,30 @@ def mesh(filename, *children):
     return plugin("shape", "ply", value("string", "filename", filename), *children)
 
 
-def open_box(floor):
+def open_box(floor, back="white"):
     """A room of 2 m that is open to the eye, lit from its ceiling."""
     return [diffuse("red", 0.6, 0.08, 0.06), diffuse("green", 0.13, 0.42, 0.12), WHITE,
             rectangle("+y", (0, 0, 0), (1, 1), ref(floor)),
             rectangle("-y", (0, 2, 0), (1, 1), ref("white")),
             rectangle("+x", (-1, 1, 0), (1, 1), ref("red")),
             rectangle("-x", (1, 1, 0), (1, 1), ref("green")),
-            rectangle("+z", (0, 1, -1), (1, 1), ref("white")),
+            rectangle("+z", (0, 1, -1), (1, 1), ref(back)),
             rectangle("-y", (0, 1.99, 0), (0.35, 0.35), ref("white"), area_light(12, 11, 9))]
+
+
+def cornell():
+    back = plugin("bsdf", "phong", rgb("diffuse_reflectance", 0.2, 0.2, 0.22),
+                  rgb("specular_reflectance", 0.5, 0.5, 0.5), real("exponent", 22), id="back")
+    return scene("Two boxes in a room with a glossy back wall (Phong, exponent 22); cornell.toml "
+                 "goes from one view to another.",
+                 sensor((0, 1, 4.35), (0, 1, 0), 33), back, *open_box("white", "back"),
+                 box((-0.36, 0.6, -0.28), (0.28, 0.6, 0.28), 18, ref("white")),
+                 box((0.36, 0.3, 0.3), (0.28, 0.3, 0.28), -17, ref("white")), depth=3)
+
+
+def cornell_path():
+    return camera_path("180 frames between two views of cornell.xml.",
+                       (1, (0, 1, 4.35), (0, 1, 0)), (180, (0.75, 1.1, 2.6), (-0.1, 0.9, -1)))
 
 
 def box_pyramid():
@@ -153,9 +169,10 @@ def ward_floor():
 
 def files():
     """Every file of scenes/figures as {path: bytes}."""
-    scenes = {"box-pyramid": box_pyramid(), "teapot": teapot(), "hall": hall(),
-              "ward-floor": ward_floor(), "steps": steps()}
+    scenes = {"cornell": cornell(), "box-pyramid": box_pyramid(), "teapot": teapot(),
+              "hall": hall(), "ward-floor": ward_floor(), "steps": steps()}
     out = {f"{name}.xml": text.encode() for name, text in scenes.items()}
+    out["cornell.toml"] = cornell_path().encode()
     out["pyramid.ply"] = pyramid_mesh()
     out.update(teapot_meshes())
     out.update(hall_meshes())

@@ -12,8 +12,9 @@ import sys
 
 import cases
 import figures
-from parts import (area_light, box, diffuse, element, lathe, number, plugin, real, rectangle, ref,
-                   rgb, scene, sensor, sphere, to_world, translate, triple, tube, value)
+from parts import (area_light, box, camera_path, diffuse, element, lathe, number, plugin, real,
+                   rectangle, ref, rgb, scene, sensor, sphere, to_world, translate, triple, tube,
+                   value)
 
 WHITE, RED, GREEN = (0.72, 0.70, 0.66), (0.60, 0.08, 0.06), (0.13, 0.42, 0.12)
 
@@ -143,28 +144,24 @@ def two_rooms():
         diffuse("floor", 0.48, 0.38, 0.29), diffuse("accent", 0.3, 0.42, 0.5),
         diffuse("wood", 0.45, 0.28, 0.16), diffuse("cloth", 0.62, 0.22, 0.16), gold, *walls,
         box((-1.9, 2.0, 0.2), (0.5, 0.015, 0.4), 0, ref("wood")),
-        rectangle("+y", (-1.9, 2.017, 0.2), (0.47, 0.37), ref("wood"), area_light(9, 8, 7)),
+        rectangle("+y", (-1.9, 2.017, 0.2), (0.47, 0.37), ref("wood"), area_light(9, 8, 7),
+                  id="lamp"),
         *table(-1.5, -1.3, 0.7, (0.6, 0.4)),
-        sphere((-1.4, 0.92, -1.3), 0.22, ref("gold")),
+        sphere((-1.4, 0.92, -1.3), 0.22, ref("gold"), id="ball"),
         box((-3.1, 0.35, -0.4), (0.35, 0.35, 0.9), 0, ref("cloth")),
         box((3.2, 1.9, -1.2), (0.02, 0.25, 0.4), 0, ref("wood")),
         rectangle("+x", (3.222, 1.9, -1.2), (0.38, 0.23), ref("wood"), area_light(20, 21, 24)),
         *table(2.3, 0.9, 0.45, (0.5, 0.5)),
-        box((2.3, 0.6, 0.9), (0.15, 0.15, 0.15), 30, ref("cloth")),
+        box((2.3, 0.6, 0.9), (0.15, 0.15, 0.15), 30, ref("cloth"), id="crate"),
         box((1.2, 0.4, -1.7), (0.5, 0.4, 0.25), 0, ref("wood")),
         sphere((1.2, 1.0, -1.7), 0.2, ref("accent")))
 
 
-WALK = """# 60 frames through two-rooms.xml.
-"""
-
-
 def walk():
-    keyframes = [(1, (-3.1, 1.5, 1.5), (-1.2, 1, -1)), (25, (-1.1, 1.5, 0), (1.5, 1.2, -0.6)),
-                 (40, (0.3, 1.5, -0.1), (2.5, 0.9, -0.2)), (60, (2.3, 1.5, -0.9), (2, 0.7, 1))]
-    return WALK + "\n".join(
-        f"[[keyframe]]\nframe = {frame}\norigin = [{triple(origin)}]\n"
-        f"target = [{triple(target)}]\n" for frame, origin, target in keyframes)
+    return camera_path("60 frames through two-rooms.xml.",
+                       (1, (-3.1, 1.5, 1.5), (-1.2, 1, -1)), (25, (-1.1, 1.5, 0), (1.5, 1.2, -0.6)),
+                       (40, (0.3, 1.5, -0.1), (2.5, 0.9, -0.2)),
+                       (60, (2.3, 1.5, -0.9), (2, 0.7, 1)))
 
 
 def sphere_on_floor():

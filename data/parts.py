@@ -76,22 +76,22 @@ FACING = {"+z": [], "-z": [rotate("y", 180)], "+x": [rotate("y", 90)], "-x": [ro
           "+y": [rotate("x", -90)], "-y": [rotate("x", 90)]}
 
 
-def rectangle(facing, centre, half, *children):
+def rectangle(facing, centre, half, *children, **attributes):
     """A rectangle with half extents `half`, before it is rotated to face one of six directions."""
     return plugin("shape", "rectangle",
                   to_world(scale(half[0], half[1], 1), *FACING[facing], translate(*centre)),
-                  *children)
+                  *children, **attributes)
 
 
-def box(centre, half, angle, *children):
+def box(centre, half, angle, *children, **attributes):
     """A box that is rotated about the vertical by `angle` degrees."""
     steps = [scale(*half)] + ([rotate("y", angle)] if angle else []) + [translate(*centre)]
-    return plugin("shape", "cube", to_world(*steps), *children)
+    return plugin("shape", "cube", to_world(*steps), *children, **attributes)
 
 
-def sphere(centre, radius, *children):
+def sphere(centre, radius, *children, **attributes):
     point = element("point", {"name": "center", **{k: number(v) for k, v in zip("xyz", centre)}})
-    return plugin("shape", "sphere", point, real("radius", radius), *children)
+    return plugin("shape", "sphere", point, real("radius", radius), *children, **attributes)
 
 
 def tube(foot, height, radius, *children):
@@ -123,6 +123,13 @@ def scene(comment, *children, depth=None):
     body = "\n\n".join(["\n".join(defaults), integrator, *children])
     lines = "\n".join(line.rstrip() for line in comment.strip().split("\n"))
     return f"<!-- {lines} -->\n<scene version=\"3.0.0\">\n{indent(body)}\n</scene>\n"
+
+
+def camera_path(comment, *keyframes):
+    """A camera path through (frame, origin, target), for `--animation`."""
+    return f"# {comment}\n" + "\n".join(
+        f"[[keyframe]]\nframe = {frame}\norigin = [{triple(origin)}]\ntarget = [{triple(target)}]\n"
+        for frame, origin, target in keyframes)
 
 
 # ---- Meshes --------------------------------------------------------------------------------------
