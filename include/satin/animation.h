@@ -7,8 +7,10 @@
 #define SATIN_ANIMATION_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "satin/film.h"
+#include "satin/scene.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -33,6 +35,12 @@ typedef satin_status (*satin_frame_fn)(void *user, int number, const satin_film 
 // the thread that called satin_render. A status other than SATIN_OK ends the render.
 typedef satin_status (*satin_complete_fn)(void *user, int number, const char *job, bool *complete);
 
+// Sets *scene to the scene of frame `number`, in which objects and lights are where they are then;
+// all else of it is that of the scene that is rendered. The render frees it. Called on the thread
+// that called satin_render, before the frame is rendered. A status other than SATIN_OK, which the
+// function has reported, ends the render.
+typedef satin_status (*satin_moved_fn)(void *user, int number, satin_scene **scene);
+
 // The frames of a render. All pointers are the caller's and must be valid until satin_render
 // returns.
 typedef struct satin_animation {
@@ -45,6 +53,10 @@ typedef struct satin_animation {
     satin_frame_fn frame;
     satin_complete_fn complete;  // frames that are complete are left out; NULL: none is
     void *user;
+    // If objects or lights move. The records of the scene that is rendered, in which nothing has
+    // moved, are kept in those frames where they are still right (docs/animation.md).
+    satin_moved_fn moved;  // NULL: nothing moves
+    uint64_t motion;       // a hash of how they move in all frames, for `job`
 } satin_animation;
 
 #ifdef __cplusplus

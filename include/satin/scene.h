@@ -50,17 +50,31 @@ SATIN_API satin_status satin_scene_load_with(const char *path, const satin_defin
                                              size_t define_count, unsigned flags, satin_log_fn log,
                                              void *log_user, satin_scene **scene);
 
+// Where an object or a light is in a frame of an animation, relative to where the scene file has
+// it. It is scaled about the pivot, rotated by the right-hand rule about an axis through it, and
+// translated. Positions are in world space and in the scene's unit.
+typedef struct satin_pose {
+    const char *id;            // of a <shape> that has a to_world, or of an <emitter>
+    double pivot[3], axis[3];  // an axis of zeros: no rotation
+    double angle;              // degrees
+    double scale;              // 0: the object is left out
+    double translate[3];
+    double intensity;  // factor of the light that the emitter, or the emitter of the shape, emits
+} satin_pose;
+
 // What a scene is loaded with; all zero is what satin_scene_load does without defines. All texts
 // are the caller's and must be valid until the call returns.
 typedef struct satin_scene_request {
     const satin_define *defines;
     size_t define_count;
-    unsigned flags;      // bits of satin_scene_flags
-    const char *sensor;  // the id of the sensor, or its index from 0; NULL: the first sensor
+    unsigned flags;           // bits of satin_scene_flags
+    const char *sensor;       // the id of the sensor, or its index from 0; NULL: the first sensor
+    const satin_pose *poses;  // objects that are not where the file has them
+    size_t pose_count;
 } satin_scene_request;
 
 // satin_scene_load by a request, which must not be NULL. SATIN_ERROR_INPUT also if the scene has no
-// such sensor. Thread-safe, as satin_scene_load.
+// such sensor, or no object of a pose. Thread-safe, as satin_scene_load.
 SATIN_API satin_status satin_scene_load_request(const char *path,
                                                 const satin_scene_request *request,
                                                 satin_log_fn log, void *log_user,

@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a camera path. Every error names the file, the line and the key.
-#include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "animation/animation.h"
+#include "animation/animation_reader.h"
 #include "base/array.h"
 #include "base/fileio.h"
 #include "base/mat4.h"
-#include "base/text.h"
-#include "toml/toml.h"
 
 enum {
     PATH_BYTES_MAX = 1 << 24,
-    FRAMES_MAX = 100000,  // of a path
-    NUMBER_MAX = 999999   // of a frame
+    FRAMES_MAX = 100000  // of a path
 };
-// Coordinates beyond this are not passed to the ray tracer either.
-static const double COORDINATE_MAX = 1e18;
 
 // The keyframes, or the frames of a list.
 struct path_keys {
@@ -33,69 +25,12 @@ struct path_keys {
 };
 
 struct path_reader {
-    struct log log;
+    struct animation_reader reader;
     struct path_keys keys;
     struct animation_path *out;
-    satin_status status;  // of the first failure, which is logged
 };
 
-// ---- Values -------------------------------------------------------------------------------------
-
-__attribute__((format(printf, 3, 4))) static bool path_wrong(struct path_reader *r,
-                                                             const struct toml_node *node,
-                                                             const char *format, ...) {
-    char text[256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    log_error_at(r->log, node->at, "%s%s%s", node->key ? node->key : "", node->key ? ": " : "",
-                 text);
-    r->status = SATIN_ERROR_INPUT;
-    return false;
-}
-
-static bool path_no_memory(struct path_reader *r) {
-    r->status = log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for the camera path");
-    return false;
-}
-
-static bool check_keys(struct path_reader *r, const struct toml_node *table,
-                       const char *const *known) {
-    const char *meant;
-    const struct toml_node *unknown = toml_find_unknown(table, known, &meant);
-    if (!unknown) return true;
-    if (meant) return path_wrong(r, unknown, "unknown key (did you mean '%s'?)", meant);
-    return path_wrong(r, unknown, "unknown key");
-}
-
-// The number of a frame.
-static bool take_number(struct path_reader *r, const struct toml_node *node, double *out) {
-    if (node->kind != TOML_NUMBER) return path_wrong(r, node, "it must be a number");
-    if (!(node->number >= 0.0 && node->number <= NUMBER_MAX) || node->number != floor(node->number))
-        return path_wrong(r, node, "%s is not a whole number in 0..%d", node->text, NUMBER_MAX);
-    *out = node->number;
-    return true;
-}
-
-// Three coordinates. A key that is missing is an error, unless there is a default.
-static bool take_vector(struct path_reader *r, const struct toml_node *table, const char *key,
-                        const double *otherwise, double out[3]) {
-    const struct toml_node *node = toml_find(table, key);
-    if (!node && !otherwise) return path_wrong(r, table, "it needs the key '%s'", key);
-    for (int k = 0; k < 3 && !node; k++) out[k] = otherwise[k];
-    if (!node) return true;
-    if (node->kind != TOML_ARRAY || node->count != 3)
-        return path_wrong(r, node, "it must be three numbers, as in [0, 1, 0]");
-    for (size_t k = 0; k < 3; k++) {
-        const struct toml_node *number = &node->child[k];
-        if (number->kind != TOML_NUMBER) return path_wrong(r, number, "it must be a number");
-        if (!(fabs(number->number) <= COORDINATE_MAX))
-            return path_wrong(r, number, "%s is too large", number->text);
-        out[k] = number->number;
-    }
-    return true;
-}
+// ---- Keyframes and lists ------------------------------------------------------------------------
 
 // The angle of view, which all frames have or none has.
 static bool take_fov(struct path_reader *r, const struct toml_node *table, size_t i) {
@@ -103,15 +38,14 @@ static bool take_fov(struct path_reader *r, const struct toml_node *table, size_
     const struct path_keys *keys = &r->keys;
     keys->fov[i] = 0.0;
     if (i > 0 && (keys->fov[0] > 0.0) != (node != NULL))
-        return path_wrong(r, node ? node : table, "all of them need the key 'fov', or none");
+        return animation_wrong(&r->reader, node ? node : table,
+                               "all of them need the key 'fov', or none");
     if (!node) return true;
     if (node->kind != TOML_NUMBER || !(node->number > 0.0 && node->number < 180.0))
-        return path_wrong(r, node, "it must be an angle between 0 and 180 degrees");
+        return animation_wrong(&r->reader, node, "it must be an angle between 0 and 180 degrees");
     keys->fov[i] = node->number;
     return true;
 }
-
-// ---- Keyframes and lists ------------------------------------------------------------------------
 
 static bool allocate_keys(struct path_keys *keys, size_t count) {
     keys->at = array_new(count, sizeof *keys->at);
@@ -142,9 +76,9 @@ static bool take_key(struct path_reader *r, const struct toml_node *table, size_
     static const double upwards[3] = {0.0, 1.0, 0.0};
     const struct path_keys *keys = &r->keys;
     double up[3];
-    if (!take_vector(r, table, "origin", NULL, keys->origin[i]) ||
-        !take_vector(r, table, "target", NULL, keys->target[i]) ||
-        !take_vector(r, table, "up", upwards, up) || !take_fov(r, table, i))
+    if (!animation_take_vector(&r->reader, table, "origin", NULL, keys->origin[i]) ||
+        !animation_take_vector(&r->reader, table, "target", NULL, keys->target[i]) ||
+        !animation_take_vector(&r->reader, table, "up", upwards, up) || !take_fov(r, table, i))
         return false;
     for (int k = 0; k < 3; k++) keys->up[k][i] = up[k];
     keys->place[i] = table->at;
@@ -155,21 +89,21 @@ static bool take_keyframe(struct path_reader *r, const struct toml_node *table, 
     static const char *const known[] = {"frame", "origin", "target", "up", "fov", NULL};
     const struct path_keys *keys = &r->keys;
     const struct toml_node *frame = toml_find(table, "frame");
-    if (!check_keys(r, table, known)) return false;
-    if (!frame) return path_wrong(r, table, "the keyframe needs the key 'frame'");
-    if (!take_number(r, frame, &keys->at[i])) return false;
+    if (!animation_check_keys(&r->reader, table, known)) return false;
+    if (!frame) return animation_wrong(&r->reader, table, "the keyframe needs the key 'frame'");
+    if (!animation_take_frame(&r->reader, frame, &keys->at[i])) return false;
     if (i > 0 && !(keys->at[i] > keys->at[i - 1]))
-        return path_wrong(r, frame, "frame %.0f does not come after frame %.0f", keys->at[i],
-                          keys->at[i - 1]);
+        return animation_wrong(&r->reader, frame, "frame %.0f does not come after frame %.0f",
+                               keys->at[i], keys->at[i - 1]);
     if (keys->at[i] - keys->at[0] >= FRAMES_MAX)
-        return path_wrong(r, frame, "a path has at most %d frames", FRAMES_MAX);
+        return animation_wrong(&r->reader, frame, "a path has at most %d frames", FRAMES_MAX);
     return take_key(r, table, i);
 }
 
 static bool take_frame(struct path_reader *r, const struct toml_node *table, size_t i) {
     static const char *const known[] = {"origin", "target", "up", "fov", NULL};
     r->keys.at[i] = r->out->number + (double)i;
-    return check_keys(r, table, known) && take_key(r, table, i);
+    return animation_check_keys(&r->reader, table, known) && take_key(r, table, i);
 }
 
 // ---- Views --------------------------------------------------------------------------------------
@@ -183,7 +117,7 @@ static bool make_views(struct path_reader *r) {
     out->number = (int)keys->at[0];
     out->count = (int)(keys->at[keys->count - 1] - keys->at[0]) + 1;
     out->view = array_new((size_t)out->count, sizeof *out->view);
-    bool ok = out->view || path_no_memory(r);
+    bool ok = out->view || animation_no_memory(&r->reader);
     animation_knots(keys->count, keys->origin, keys->origin_knot);
     animation_knots(keys->count, keys->target, keys->target_knot);
     size_t key = 0;  // the last keyframe up to the frame
@@ -201,8 +135,8 @@ static bool make_views(struct path_reader *r) {
                          &to_world))
             continue;
         ok = false;
-        r->status = SATIN_ERROR_INPUT;
-        log_error_at(r->log, keys->place[key],
+        r->reader.status = SATIN_ERROR_INPUT;
+        log_error_at(r->reader.log, keys->place[key],
                      "frame %.0f has no view: origin and target coincide, or up is along the view",
                      at);
     }
@@ -212,7 +146,7 @@ static bool make_views(struct path_reader *r) {
 static bool take_first(struct path_reader *r, const struct toml_node *root) {
     const struct toml_node *first = toml_find(root, "first");
     double number = 1.0;
-    if (first && !take_number(r, first, &number)) return false;
+    if (first && !animation_take_frame(&r->reader, first, &number)) return false;
     r->out->number = (int)number;
     return true;
 }
@@ -221,16 +155,17 @@ static bool take_first(struct path_reader *r, const struct toml_node *root) {
 static bool check_tables(struct path_reader *r, const struct toml_node *list) {
     bool tables = list->kind == TOML_ARRAY && list->count > 0;
     for (size_t i = 0; tables && i < list->count; i++) tables = list->child[i].kind == TOML_TABLE;
-    if (!tables) return path_wrong(r, list, "it must be written as [[%s]]", list->key);
+    if (!tables)
+        return animation_wrong(&r->reader, list, "it must be written as [[%s]]", list->key);
     return list->count <= FRAMES_MAX ||
-           path_wrong(r, list, "a path has at most %d frames", FRAMES_MAX);
+           animation_wrong(&r->reader, list, "a path has at most %d frames", FRAMES_MAX);
 }
 
 // Takes the keyframes, or the frames of a list.
 static bool take_list(struct path_reader *r, const struct toml_node *list, bool keyframes) {
     if (!check_tables(r, list)) return false;
     r->keys.count = list->count;
-    if (!allocate_keys(&r->keys, list->count)) return path_no_memory(r);
+    if (!allocate_keys(&r->keys, list->count)) return animation_no_memory(&r->reader);
     for (size_t i = 0; i < list->count; i++) {
         const struct toml_node *table = &list->child[i];
         if (!(keyframes ? take_keyframe(r, table, i) : take_frame(r, table, i))) return false;
@@ -239,21 +174,22 @@ static bool take_list(struct path_reader *r, const struct toml_node *list, bool 
 }
 
 static bool take_path(struct path_reader *r, const struct toml_node *root) {
-    static const char *const known[] = {"keyframe", "frame", "sensors", "first", NULL};
+    static const char *const known[] = {"keyframe", "frame", "sensors", "first", "object", NULL};
     const struct toml_node *keyframe = toml_find(root, "keyframe"),
                            *frame = toml_find(root, "frame"), *sensors = toml_find(root, "sensors"),
-                           *first = toml_find(root, "first");
-    if (!check_keys(r, root, known)) return false;
+                           *first = toml_find(root, "first"), *object = toml_find(root, "object");
+    if (!animation_check_keys(&r->reader, root, known)) return false;
     if (!keyframe + !frame + !sensors != 2)
-        return path_wrong(r, root,
-                          "a camera path has either [[keyframe]], [[frame]] or sensors = true");
+        return animation_wrong(
+            &r->reader, root, "a camera path has either [[keyframe]], [[frame]] or sensors = true");
     if (keyframe && first)
-        return path_wrong(r, first, "the keyframes have the numbers of the frames");
+        return animation_wrong(&r->reader, first, "the keyframes have the numbers of the frames");
     if (!take_first(r, root)) return false;
+    if (object && !animation_take_objects(&r->reader, object, r->out)) return false;
     if (!sensors) return take_list(r, keyframe ? keyframe : frame, keyframe != NULL);
     r->out->sensors = true;
     return (sensors->kind == TOML_FLAG && strcmp(sensors->text, "on") == 0) ||
-           path_wrong(r, sensors, "it must be true");
+           animation_wrong(&r->reader, sensors, "it must be true");
 }
 
 satin_status animation_read(struct log log, const char *file, struct animation_path *out) {
@@ -261,11 +197,11 @@ satin_status animation_read(struct log log, const char *file, struct animation_p
     size_t size = 0;
     struct toml_node *root = NULL;
     *out = (struct animation_path){0};
-    struct path_reader r = {.log = log, .out = out};
+    struct path_reader r = {.reader = {.log = log}, .out = out};
     satin_status status =
         fileio_read(log, (struct log_place){0}, file, PATH_BYTES_MAX, &text, &size);
     if (status == SATIN_OK) status = toml_parse(log, file, text, size, &root);
-    if (status == SATIN_OK && !take_path(&r, root)) status = r.status;
+    if (status == SATIN_OK && !take_path(&r, root)) status = r.reader.status;
     if (status != SATIN_OK) animation_path_free(out);
     free_keys(&r.keys);
     toml_free(root);
@@ -275,5 +211,6 @@ satin_status animation_read(struct log log, const char *file, struct animation_p
 
 void animation_path_free(struct animation_path *path) {
     free(path->view);
+    animation_objects_free(path);
     *path = (struct animation_path){0};
 }

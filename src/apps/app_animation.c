@@ -6,6 +6,7 @@
 
 #include "apps/app.h"
 #include "apps/app_animation.h"
+#include "base/array.h"
 #include "film/film.h"
 
 // ---- Names --------------------------------------------------------------------------------------
@@ -139,6 +140,21 @@ static int check_frames(const struct app_render_request *r, const satin_animatio
                      frames->number, last);
 }
 
+// Sets the poses at rest, and a hash of the poses in all frames.
+static int prepare_motion(const struct app_render_request *r, struct app_animation *out) {
+    const struct animation_path *path = &out->path;
+    if (!path->object_count) return APP_DONE;
+    if (strcmp(r->scene, APP_STDIN) == 0)
+        return app_wrong(
+            "an animation in which objects move cannot read its scene from standard "
+            "input, as it is read again for each frame");
+    out->pose = array_new(path->object_count, sizeof *out->pose);
+    if (!out->pose) return app_no_memory();
+    animation_poses_at_rest(path, out->pose);
+    out->frames.motion = animation_motion_hash(path);
+    return APP_DONE;
+}
+
 int app_animation_read(const struct app_render_request *r, struct app_animation *out) {
     const struct log log = {app_log_file, NULL};
     *out = (struct app_animation){0};
@@ -157,6 +173,7 @@ int app_animation_read(const struct app_render_request *r, struct app_animation 
     if (r->frames && !read_frames(r->frames, &out->frames))
         return app_wrong("--frames needs A-B, such as 1-60, or one number, not '%s'", r->frames);
     status = app_exit_of(animation_read(log, r->animation, &out->path));
+    if (status == APP_DONE) status = prepare_motion(r, out);
     if (status != APP_DONE) return status;
     out->frames.number = out->path.number;
     out->frames.views = out->path.view;
@@ -178,7 +195,53 @@ int app_animation_choose(const struct app_render_request *r, const satin_scene *
     return check_frames(r, frames, count);
 }
 
+// ---- Scenes -------------------------------------------------------------------------------------
+
+static satin_status read_posed_scene(const struct app_render_request *r,
+                                     const struct app_animation *animation, const satin_pose *poses,
+                                     struct log log, satin_scene **scene) {
+    const unsigned sensors = animation->path.sensors ? SATIN_SCENE_ALL_SENSORS : 0;
+    const satin_scene_request request = {.defines = r->define,
+                                         .define_count = r->define_count,
+                                         .flags = r->scene_flags | SATIN_SCENE_STREAM | sensors,
+                                         .sensor = r->sensor,
+                                         .poses = poses,
+                                         .pose_count = animation->path.object_count};
+    return satin_scene_load_request(r->scene, &request, log.fn, log.user, scene);
+}
+
+// A satin_log_fn that passes errors on.
+static void pass_errors(void *user, satin_log_severity severity, const char *message) {
+    if (severity == SATIN_LOG_ERROR) app_log_file(user, severity, message);
+}
+
+satin_status app_animation_scene(const struct app_render_request *r,
+                                 const struct app_animation *animation, int number,
+                                 satin_scene **scene) {
+    const struct log log = {pass_errors, NULL};
+    const size_t count = animation->path.object_count;
+    satin_pose *pose = array_new(count, sizeof *pose);
+    if (!pose) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");
+    animation_poses(&animation->path, number, pose);
+    const satin_status status = read_posed_scene(r, animation, pose, log, scene);
+    free(pose);
+    return status;
+}
+
+satin_status app_animation_load(const struct app_render_request *r,
+                                const struct app_animation *animation,
+                                struct app_progress *progress, satin_scene **scene) {
+    const struct log log = {app_log_file, progress};
+    satin_status status = read_posed_scene(r, animation, animation->pose, log, scene);
+    if (status != SATIN_OK || !animation->path.object_count) return status;
+    satin_scene *first = NULL;
+    status = app_animation_scene(r, animation, animation->frames.first, &first);
+    satin_scene_free(first);
+    return status;
+}
+
 void app_animation_free(struct app_animation *animation) {
+    free(animation->pose);
     animation_path_free(&animation->path);
     *animation = (struct app_animation){0};
 }

@@ -8,7 +8,8 @@
 
 struct app_animation {
     struct animation_path path;
-    satin_animation frames;  // all but the function
+    satin_animation frames;  // all but the functions
+    satin_pose *pose;        // of each object at rest, owned
 };
 
 // Reads the camera path of the request, and checks the arguments of the animation. Reports an error
@@ -20,6 +21,17 @@ int app_animation_read(const struct app_render_request *r, struct app_animation 
 int app_animation_choose(const struct app_render_request *r, const satin_scene *scene,
                          struct app_animation *animation);
 void app_animation_free(struct app_animation *animation);
+
+// Loads the scene of the request, with all objects at rest, and checks that they can move as they
+// do in the first frame that is rendered.
+satin_status app_animation_load(const struct app_render_request *r,
+                                const struct app_animation *animation,
+                                struct app_progress *progress, satin_scene **scene);
+// Loads the scene of frame `number`. Only errors are reported, as the warnings are those of the
+// scene at rest.
+satin_status app_animation_scene(const struct app_render_request *r,
+                                 const struct app_animation *animation, int number,
+                                 satin_scene **scene);
 
 // Sets *out to the request with the outputs of frame `number` as its own. To be freed in any case.
 // Reports lack of memory and returns APP_FAILED.

@@ -137,6 +137,7 @@ struct frame_user {
     int threads, count;  // of the render; of the frames
     int done;            // frames whose files are written
     double start;
+    const struct app_animation *animation;
 };
 
 // A satin_frame_fn: writes the files of a frame.
@@ -154,6 +155,12 @@ static satin_status write_frame_files(void *user, int number, const satin_film *
         fprintf(stderr, "%s: frame %d of %d\n", frame.output, u->done, u->count);
     app_frame_end(&frame);
     return status;
+}
+
+// A satin_moved_fn: loads the scene of a frame.
+static satin_status find_frame_scene(void *user, int number, satin_scene **scene) {
+    const struct frame_user *u = user;
+    return app_animation_scene(u->request, u->animation, number, scene);
 }
 
 // A satin_complete_fn: whether the files of a frame are there, for --resume.
@@ -213,13 +220,20 @@ static satin_status run_image(const struct app_render_request *r, const satin_sc
 
 // Renders the frames of an animation, each of which is written when it is complete.
 static satin_status run_animation(const struct app_render_request *r, const satin_scene *scene,
-                                  const satin_options *options, satin_animation frames,
-                                  struct app_live *live, double start) {
-    struct frame_user user = {r, live->progress, options->threads, frames.last - frames.first + 1,
-                              0, start};
+                                  const satin_options *options,
+                                  const struct app_animation *animation, struct app_live *live,
+                                  double start) {
+    satin_animation frames = animation->frames;
+    struct frame_user user = {.request = r,
+                              .progress = live->progress,
+                              .threads = options->threads,
+                              .count = frames.last - frames.first + 1,
+                              .start = start,
+                              .animation = animation};
     satin_film *none = NULL;
     frames.frame = write_frame_files;
     frames.complete = r->resume ? find_frame_files : NULL;
+    frames.moved = animation->path.object_count ? find_frame_scene : NULL;
     frames.user = &user;
     const satin_status status = run_live(r, scene, options, &frames, live, &none);
     if (!app_ranks_first(r->ranks)) return status;
@@ -251,7 +265,7 @@ static satin_status run_scene(const struct app_render_request *r, const satin_sc
     const satin_ranks *ranks = r->ranks->ranks;
     if (ranks) ranks->broadcast(ranks->user, 0, &options.time, sizeof options.time);
     struct app_live live = {r->preview, &r->tonemap, r->display, progress, false};
-    return r->animation ? run_animation(r, scene, &options, animation->frames, &live, start)
+    return r->animation ? run_animation(r, scene, &options, animation, &live, start)
                         : run_image(r, scene, &options, &live, start);
 }
 
@@ -282,11 +296,7 @@ static int read_checked(struct app_render_request *r, struct app_animation *anim
                         struct app_progress *progress, satin_scene **scene) {
     app_set_reading(true);
     app_catch_signals();
-    const unsigned sensors = animation->path.sensors ? SATIN_SCENE_ALL_SENSORS : 0;
-    const satin_scene_request request = {r->define, r->define_count,
-                                         r->scene_flags | SATIN_SCENE_STREAM | sensors, r->sensor};
-    const satin_status status =
-        satin_scene_load_request(r->scene, &request, app_log_file, progress, scene);
+    const satin_status status = app_animation_load(r, animation, progress, scene);
     app_set_reading(false);
     if (status != SATIN_OK) return app_exit_of(status);
     const int chosen = app_animation_choose(r, *scene, animation);

@@ -25,7 +25,8 @@ enum rng_stream {
     RNG_VISIBILITY,
     RNG_SMOOTH,
     RNG_RIM,
-    RNG_BOX
+    RNG_BOX,
+    RNG_PROBE
 };
 
 struct rng {

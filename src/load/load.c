@@ -29,7 +29,8 @@ satin_status load_params(struct load_state *loader, struct xml_node *node, struc
     const struct plugin_spec *plugin = load_plugin_find(loader->log, node);
     if (!plugin) return SATIN_ERROR_INPUT;
     struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
-    return load_params_read(source, plugin, node, out);
+    const satin_status status = load_params_read(source, plugin, node, out);
+    return status == SATIN_OK ? load_pose_apply(loader, out) : status;
 }
 
 satin_status load_file_source(struct load_state *loader, const struct param_value *name,
@@ -165,7 +166,7 @@ static satin_status build_objects(struct load_state *loader) {
     for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
          node = node->next) {
         if (node->tag == XML_SHAPE) status = load_shape_add(loader, node);
-        if (node->tag == XML_EMITTER) status = load_emitter_add(loader, node, -1, &light);
+        if (node->tag == XML_EMITTER) status = load_emitter_add(loader, node, NULL, &light);
         if (node->tag == XML_SENSOR && !loader->all_sensors)
             status = build_sensor(loader, node, sensor);
         if (node->tag == XML_INTEGRATOR) status = load_integrator(loader, node);
@@ -249,6 +250,7 @@ static satin_status load_all(struct load_state *loader) {
     satin_status status = load_params_read(source, &scene_spec, loader->xml.root, &p);
     if (status == SATIN_OK) status = build_objects(loader);
     if (status == SATIN_OK) status = check_unused(loader);
+    if (status == SATIN_OK) status = load_poses_check(loader);
     if (status == SATIN_OK) status = keep_objects(loader);
     if (status == SATIN_OK) status = scene_trace_build(loader->scene, loader->log);
     if (status == SATIN_OK) status = light_prepare(loader->scene, loader->log);
@@ -263,7 +265,8 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
 satin_status satin_scene_load_with(const char *path, const satin_define *defines,
                                    size_t define_count, unsigned flags, satin_log_fn log,
                                    void *log_user, satin_scene **scene) {
-    const satin_scene_request request = {defines, define_count, flags, NULL};
+    const satin_scene_request request = {
+        .defines = defines, .define_count = define_count, .flags = flags};
     return satin_scene_load_request(path, &request, log, log_user, scene);
 }
 
@@ -279,7 +282,8 @@ static satin_status read_scene_file(struct load_state *loader, const satin_scene
         load_xml_read(loader->log, loader->path, (request->flags & SATIN_SCENE_STREAM) != 0,
                       request->defines, request->define_count, &scene->hash, &loader->xml);
     // The contents of further files are added to the world's hash when they are read.
-    if (status == SATIN_OK) scene->world = hash_world(FILEIO_HASH, loader->xml.root);
+    if (status == SATIN_OK)
+        scene->world = load_poses_hash(loader, hash_world(FILEIO_HASH, loader->xml.root));
     return status;
 }
 
@@ -290,14 +294,16 @@ satin_status satin_scene_load_request(const char *path, const satin_scene_reques
         .to = {log, log_user}, .strict = request && (request->flags & SATIN_SCENE_STRICT) != 0};
     struct load_state loader = {
         .log = load_warnings_log(&warnings), .each = load_warnings_each(&warnings), .path = path};
-    if (!path || !scene || !request || (request->define_count && !request->defines))
+    if (!path || !scene || !request || (request->define_count && !request->defines) ||
+        (request->pose_count && !request->poses))
         return log_fail(loader.log, SATIN_ERROR_ARGUMENT, "satin_scene_load: NULL argument");
     loader.scene = calloc(1, sizeof *loader.scene);
     if (!loader.scene) return load_no_memory(&loader);
     loader.lenient = (request->flags & SATIN_SCENE_LENIENT) != 0;
     loader.sensor = request->sensor;
     loader.all_sensors = (request->flags & SATIN_SCENE_ALL_SENSORS) != 0;
-    satin_status status = read_scene_file(&loader, request);
+    satin_status status = load_poses_begin(&loader, request);
+    if (status == SATIN_OK) status = read_scene_file(&loader, request);
     if (status == SATIN_OK) {
         status = load_all(&loader);
         const uint64_t world = loader.scene->world;
@@ -312,6 +318,7 @@ satin_status satin_scene_load_request(const char *path, const satin_scene_reques
     free(loader.image);
     free(loader.group);
     free(loader.attribute);
+    free(loader.pose);
     loader.scene->load_span = stats_span_since(begin);
     load_warnings_report(&warnings);
     if (status == SATIN_OK && warnings.failed) status = SATIN_ERROR_INPUT;

@@ -311,20 +311,22 @@ static satin_status check_parent(struct load_state *loader, const struct params 
     return SATIN_OK;
 }
 
-satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, int64_t shape,
-                              int32_t *index) {
+satin_status load_emitter_add(struct load_state *loader, struct xml_node *node,
+                              const struct xml_node *parent, int32_t *index) {
     struct params p;
-    struct light light = {.shape = shape >= 0 ? (uint32_t)shape : 0};
+    struct light light = {.shape = parent ? (uint32_t)loader->shape_count : 0};
     *index = -1;
     if (load_left_out(loader, node, "the light is left out")) return SATIN_OK;
     satin_status status = load_params(loader, node, &p);
     if (status == SATIN_OK && load_file_missing(loader, &p, "the light is left out"))
         return SATIN_OK;
     if (status == SATIN_OK) status = p.plugin->build(loader, &p, &light);
-    if (status == SATIN_OK) status = check_parent(loader, &p, &light, shape >= 0);
-    if (status != SATIN_OK) return status;
+    if (status == SATIN_OK) status = check_parent(loader, &p, &light, parent);
+    if (status == SATIN_OK) status = load_pose_dim(loader, node, &light);
+    if (status == SATIN_OK && parent) status = load_pose_dim(loader, parent, &light);
+    if (status != SATIN_OK || (!parent && load_pose_gone(loader, node))) return status;
     // An area light outside of a shape is only defined for references.
-    bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
+    bool waits = !parent && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
     if (waits && !load_xml_get(node, "id"))
         return load_refuse(loader, &p, "it must be part of a shape");
     if (waits || (rgb_black(light.value) && rgb_black(light.sun_value))) return SATIN_OK;

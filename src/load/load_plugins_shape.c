@@ -338,8 +338,10 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     if (emitter && shape.group) return load_refuse(loader, &p, "it cannot emit in a shapegroup");
     status = load_shape_reserve(loader, &p);
     if (status == SATIN_OK) status = load_material_of(loader, bsdf, emitter, &shape.material);
+    // The material is there, so that all materials have the same numbers in all frames.
+    if (status == SATIN_OK && load_pose_gone(loader, node)) return SATIN_OK;
     if (status == SATIN_OK && emitter)
-        status = load_emitter_add(loader, emitter, (int64_t)loader->shape_count, &shape.light);
+        status = load_emitter_add(loader, emitter, node, &shape.light);
     if (status == SATIN_OK) status = build_surface(loader, &p, &shape);
     if (status != SATIN_OK) return status;
     shape.area = scene_shape_area(&shape);

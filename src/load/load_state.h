@@ -28,12 +28,14 @@ struct load_state {
     size_t shape_count, material_count, light_count, image_count, group_count, attribute_count;
     size_t shape_capacity, material_capacity, light_capacity, image_capacity, group_capacity,
         attribute_capacity;
-    size_t shape_elements;  // number of shape elements, with references counted
-    uint32_t open_group;    // 1 + index of the <shape type="shapegroup"> that is being read, or 0
-    int shape_depth;        // depth of shapes within shapes
-    uint32_t plain[2];      // 1 + index of the default materials of shapes: [emits]
-    int bsdf_depth;         // depth of nested <bsdf>s
-    int texture_depth;      // depth of nested <texture>s
+    size_t shape_elements;   // number of shape elements, with references counted
+    uint32_t open_group;     // 1 + index of the <shape type="shapegroup"> that is being read, or 0
+    int shape_depth;         // depth of shapes within shapes
+    uint32_t plain[2];       // 1 + index of the default materials of shapes: [emits]
+    int bsdf_depth;          // depth of nested <bsdf>s
+    int texture_depth;       // depth of nested <texture>s
+    struct load_pose *pose;  // where objects and lights are in this frame; owned
+    size_t pose_count;
     struct attribute_names wanted;  // attributes for the textures of the current shape
 };
 
@@ -45,6 +47,21 @@ satin_status load_refuse(struct load_state *loader, const struct params *p, cons
 const char *load_keep_text(struct load_state *loader, const char *text);
 // Reads the parameters of the plugin that the element names (load_params_read).
 satin_status load_params(struct load_state *loader, struct xml_node *node, struct params *out);
+
+// ---- load_pose.c: poses of shapes and emitters, by their ids
+satin_status load_poses_begin(struct load_state *loader, const satin_scene_request *request);
+// Continues the hash over all poses that change the scene.
+uint64_t load_poses_hash(const struct load_state *loader, uint64_t hash);
+// Moves the object of these parameters, if it has a pose.
+satin_status load_pose_apply(struct load_state *loader, struct params *p);
+// Whether the element's pose has the scale 0: it is left out.
+bool load_pose_gone(const struct load_state *loader, const struct xml_node *node);
+// Scales the intensity of a light by the pose of the element, its emitter or its shape.
+satin_status load_pose_dim(struct load_state *loader, const struct xml_node *node,
+                           struct light *light);
+// Logs a pose whose id the scene does not have: SATIN_ERROR_INPUT.
+satin_status load_poses_check(struct load_state *loader);
+
 // The source of a file that a parameter names: relative to the file with the parameter, else to the
 // main file. The caller frees source->path.
 satin_status load_file_source(struct load_state *loader, const struct param_value *name,
@@ -78,10 +95,10 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node);
 satin_status load_shape_reserve(struct load_state *loader, const struct params *p);
 // Adds a shape of shapes: merge, shapegroup, instance (load_plugins_group.c).
 satin_status load_group_add(struct load_state *loader, const struct params *p);
-// Adds an <emitter> of shape `shape`, or one without a shape if that is negative. *index is its
-// index, or -1 if it is black (load_plugins_light.c).
-satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, int64_t shape,
-                              int32_t *index);
+// Adds an <emitter> of the shape that is added next, whose element is `parent`, or one without a
+// shape if that is NULL. *index is its index, or -1 if it is black (load_plugins_light.c).
+satin_status load_emitter_add(struct load_state *loader, struct xml_node *node,
+                              const struct xml_node *parent, int32_t *index);
 // Reads the camera, the film and the samples per pixel of the scene (load_plugins_sensor.c).
 satin_status load_sensor(struct load_state *loader, struct xml_node *node);
 // Computes the half extents at unit distance from the parameters fov, fov_axis and focal_length,

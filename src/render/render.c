@@ -131,14 +131,41 @@ static satin_status make_image(struct render *r, satin_status status, satin_film
     return finish_film(r, status, film);
 }
 
-// The images of an animation, which only read what they have in common. There is no image of a
-// frame that was cancelled.
+static satin_status make_frame(struct render *r, satin_film **film) {
+    const satin_status status = sample_image(r);
+    return status == SATIN_OK ? finish_film(r, status, film) : status;
+}
+
+// The image of a frame in which objects have moved, by a render of its own.
+static satin_status make_moved_frame(struct render *at_rest, satin_film **film) {
+    satin_scene *scene = NULL;
+    struct render *r = render_frame_new(at_rest);
+    satin_status status = r ? SATIN_OK : SATIN_ERROR_MEMORY;
+    if (status == SATIN_OK) status = render_frame_scene(at_rest, &scene);
+    if (status == SATIN_OK) status = prepare(r, scene, at_rest->motion.options);
+    status = render_ranks_agree(at_rest, status);
+    if (status == SATIN_OK) status = first_pass(r);
+    if (status == SATIN_OK) status = prepare_gathering(r);
+    if (status == SATIN_OK) status = make_tables(r);
+    if (status == SATIN_OK) status = bounce_records(r);
+    if (status == SATIN_OK) status = prepare_second_pass(r);
+    if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS)) status = render_records(r);
+    if (status == SATIN_OK) status = make_frame(r, film);
+    if (r && r->outcome.error_logged) at_rest->outcome.error_logged = true;
+    render_free(r);
+    satin_scene_free(scene);
+    return status;
+}
+
+// The images of an animation. What they have in common is not changed by any of them. There is no
+// image of a frame that was cancelled.
 static satin_status make_frames(struct render *r, satin_status status) {
+    const bool moved = r->callbacks.animation->moved;
+    if (status == SATIN_OK && moved) status = render_probes_make(r);
     if (status == SATIN_OK) render_frames_begin(r);
     while (status == SATIN_OK && render_frame_next(r, &status)) {
         satin_film *film = NULL;
-        status = sample_image(r);
-        if (status == SATIN_OK) status = finish_film(r, status, &film);
+        status = moved ? make_moved_frame(r, &film) : make_frame(r, &film);
         if (status == SATIN_OK) status = render_frame_done(r, film);
         satin_film_free(film);
     }
@@ -156,6 +183,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (!scene || !options || !out) return SATIN_ERROR_ARGUMENT;
     struct render *r = render_new(callbacks);
     satin_film *film = NULL;
+    if (r) r->motion.options = options;
     satin_status status = r ? prepare(r, scene, options) : SATIN_ERROR_MEMORY;
     if (r) status = render_ranks_agree(r, status);
     if (status == SATIN_OK) status = render_ranks_compare(r);

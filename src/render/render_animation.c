@@ -67,6 +67,10 @@ static satin_status check_animation(const struct render *r, const satin_animatio
                         "that others take; set spp instead of time");
     if (r->callbacks.checkpoint)
         return log_fail(r->log, SATIN_ERROR_INPUT, "an animation has no checkpoint file");
+    if (a->moved && r->options.memory > 0)
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "an animation in which objects move has no limit of memory, as two of its "
+                        "scenes are in memory; leave the option memory out");
     if (r->options.integrator == SATIN_SPPM)
         return log_fail(r->log, SATIN_ERROR_INPUT, "the integrator sppm renders no animations");
     return SATIN_OK;
@@ -74,6 +78,13 @@ static satin_status check_animation(const struct render *r, const satin_animatio
 
 satin_status render_views(struct render *r) {
     const satin_animation *a = r->callbacks.animation;
+    if (r->motion.at_rest) {
+        // Photons are aimed at what all views see, as those of the scene at rest: what the records
+        // of the two are compared by has the same noise.
+        r->scene.camera = *r->motion.camera;
+        r->scene.view = r->motion.at_rest->scene.view;
+        r->scene.view_count = r->motion.at_rest->scene.view_count;
+    }
     if (!a) return SATIN_OK;
     const int count = a->views ? a->count : (int)r->scene.sensor_count;
     satin_status status = check_animation(r, a, count);
@@ -126,7 +137,8 @@ double render_frames_left(const struct render *r, double left, double elapsed) {
 static satin_status find_job(struct render *r) {
     char *identity = render_identity(r);
     if (!identity) return SATIN_ERROR_MEMORY;
-    uint64_t hash = FILEIO_HASH;
+    const uint64_t motion = r->callbacks.animation->motion;
+    uint64_t hash = motion ? fileio_hash(FILEIO_HASH, &motion, sizeof motion) : FILEIO_HASH;
     struct identity_word word;
     for (const char *at = identity; render_identity_next(&at, &word);) {
         const bool records = word.name == 7 && strncmp(word.at, "records", 7) == 0;
@@ -181,13 +193,19 @@ bool render_frame_next(struct render *r, satin_status *status) {
     f->begun++;
     stats_set(&r->stats, "frame.number", number);
     stats_set(&r->stats, "frame.records", f->records[number - a->number]);
-    if (f->begun == 1) return true;  // the image was made before all else
+    // The image was made before all else; a frame in which objects move has a render of its own.
+    if (f->begun == 1 || a->moved) return true;
     render_snapshot_free(r->snapshot);
     r->snapshot = NULL;
     render_image_free(r->image);
     r->image = render_image_new(&r->scene, &r->options);
     if (!r->image) *status = SATIN_ERROR_MEMORY;
     return r->image != NULL;
+}
+
+satin_status render_frame_scene(struct render *r, satin_scene **scene) {
+    const satin_animation *a = r->callbacks.animation;
+    return callers_status(r, a->moved(a->user, r->frames.next - 1, scene));
 }
 
 satin_status render_frame_done(struct render *r, struct satin_film *film) {

@@ -59,7 +59,8 @@ static void set_ranks(struct render *r) {
 
 bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.total_s", render_elapsed(r));
-    if (r->frames.view) stats_set(&r->stats, "time.frame_s", render_elapsed(r) - r->frames.start);
+    const bool frame = r->frames.view || r->motion.at_rest;
+    if (frame) stats_set(&r->stats, "time.frame_s", render_elapsed(r) - r->frames.start);
     stats_set(&r->stats, "time.load_s", r->scene.load_span.wall_s);
     stats_set(&r->stats, "time.cpu_s", stats_cpu());
     stats_set(&r->stats, "render.threads", parallel_threads(r->pool));
@@ -86,7 +87,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
               film_attribute_set(film, "satin:options", options);
     if (ok) ok = render_cryptomatte_describe(&r->scene, &r->options, film);
     snprintf(number, sizeof number, "%d", r->frames.next - 1);
-    if (ok && r->frames.view)
+    if (ok && frame)
         ok = film_attribute_set(film, "satin:frame", number) &&
              film_attribute_set(film, "satin:job", r->frames.job);
     if (ok && film_channel(film, "variance.R"))

@@ -81,7 +81,7 @@ double render_progress_left(const struct render *r, double done, double elapsed)
     const bool last = at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
     double left = INFINITY;
     if (last && own > SPEED_DONE && seconds > SPEED_SECONDS) left = seconds * (1.0 - done) / own;
-    if (r->frames.view) left = render_frames_left(r, left, elapsed);
+    if (r->frames.view || r->motion.at_rest) left = render_frames_left(r, left, elapsed);
     left = fmin(left, limit);
     return isfinite(left) ? left : -1.0;
 }

@@ -113,11 +113,15 @@ satin_status render_records(struct render *r) {
     bool whole;
     render_stage_begin(r, STAGE_RECORDS, 0.0);
     satin_status status = render_cache_load(r, &whole);
+    if (status == SATIN_OK && r->motion.at_rest) status = render_keep_records(r);
     if (status == SATIN_OK && !whole && timed) status = cover_in_rounds(&rounds);
     if (status == SATIN_OK && !whole && !timed)
         status = cover_levels(&rounds, (struct render_factors){{1.0f, 1.0f}}, false, 0.0, 1.0);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
+    if (r->motion.at_rest)
+        stats_set(&r->stats, "frame.records",
+                  count_records(r) - stats_get(&r->stats, "frame.records_kept"));
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
     if (!render_has_stage(r, STAGE_RECORDS)) stats_set(&r->stats, "records.abandoned", 1.0);
     render_sites_free(&rounds.sites);

@@ -110,6 +110,15 @@ struct render_frames {
     struct stats common;  // statistics of what all frames have in common
 };
 
+// What is needed where objects move.
+struct render_motion {
+    const satin_options *options;  // of the caller, not resolved
+    struct render_probes *probes;  // what the records of the scene at rest see, or NULL
+    // In the render of a frame:
+    const struct render *at_rest;  // the render of the scene at rest
+    const struct camera *camera;   // the camera of the frame
+};
+
 struct render {
     // Given by the caller. The scene has the film size and camera of this render and owns nothing;
     // the options are resolved: no field means "the scene's" any more. render_resolve sets both.
@@ -128,6 +137,7 @@ struct render {
     struct render_first_pass first_pass;
     struct render_second_pass second_pass;
     struct render_frames frames;
+    struct render_motion motion;
     struct render_image *image;
     struct render_snapshot *snapshot;      // NULL: there was none so far
     struct film_denoiser *denoiser;        // NULL: the image is not denoised
@@ -171,6 +181,18 @@ void render_frames_begin(struct render *r);
 bool render_frame_next(struct render *r, satin_status *status);
 // Passes the film to the caller, and returns the status of that on rank 0.
 satin_status render_frame_done(struct render *r, struct satin_film *film);
+
+// ---- render_motion.c: frames in which objects and lights have moved
+// Finds what the records of the scene at rest see. To be called when all of them are made.
+satin_status render_probes_make(struct render *r);
+void render_probes_free(struct render_probes *probes);  // NULL is allowed
+// In the render of a frame, adds to its cache the records of the scene at rest that are still
+// right.
+satin_status render_keep_records(struct render *r);
+// Makes the render of the next frame, with what its film says of the frame. NULL: no memory.
+struct render *render_frame_new(const struct render *at_rest);
+// Asks the caller for the scene of that frame, which the caller of this function frees.
+satin_status render_frame_scene(struct render *at_rest, satin_scene **scene);
 
 // ---- render_progress.c
 // The course of the render's options.

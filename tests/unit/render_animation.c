@@ -66,7 +66,7 @@ static satin_status animate(struct animated *a, const satin_animation *change, u
     options.spp = 2;
     options.photons = options.caustic_photons = 1000;
     assert_int_equal(satin_options_set(&options, "integrator", integrator, NULL, NULL), SATIN_OK);
-    satin_animation animation = {VIEWS, 4, 5, 5, 7, take_image, find_complete, a};
+    satin_animation animation = {VIEWS, 4, 5, 5, 7, take_image, find_complete, a, NULL, 0};
     if (change) animation = *change;
     animation.user = a;
     const satin_callbacks callbacks = {.log = keep_error,
@@ -100,11 +100,31 @@ static void frames_come_in_their_order(void **state) {
 
 static void sensors_are_frames(void **state) {
     (void)state;
-    const satin_animation sensors = {NULL, 0, 3, 3, 3, take_image, NULL, NULL};
+    const satin_animation sensors = {NULL, 0, 3, 3, 3, take_image, NULL, NULL, NULL, 0};
     struct animated a = {0}, none = {0};
     assert_int_equal(animate(&a, &sensors, SATIN_SCENE_ALL_SENSORS, "direct"), SATIN_OK);
     assert_string_equal(a.calls, " 3");
     assert_int_equal(animate(&none, &sensors, 0, "direct"), SATIN_ERROR_ARGUMENT);
+}
+
+// A satin_moved_fn: the same scene in all frames, until one that it fails for.
+static satin_status load_moved(void *user, int number, satin_scene **scene) {
+    struct animated *a = user;
+    snprintf(a->calls + strlen(a->calls), 8, " (%d)", number);
+    if (number == a->complete_at) return SATIN_ERROR_INTERNAL;
+    return satin_scene_load(scene_path, NULL, 0, NULL, NULL, scene);
+}
+
+static void moved_frames_have_scenes_of_their_own(void **state) {
+    (void)state;
+    const satin_animation moved = {VIEWS, 4, 5, 5, 7, take_image, NULL, NULL, load_moved, 1};
+    struct animated a = {0}, failing = {.complete_at = 6};
+    assert_int_equal(animate(&a, &moved, 0, "two-pass"), SATIN_OK);
+    assert_string_equal(a.calls, " (5) 5 (6) 6 (7) 7");
+    assert_int_equal(a.frames, 3);
+    assert_int_equal(animate(&failing, &moved, 0, "two-pass"), SATIN_ERROR_INTERNAL);
+    assert_string_equal(failing.calls, " (5) 5 (6)");
+    assert_string_equal(failing.message, "");
 }
 
 static void wrong_animations_are_refused(void **state) {
@@ -116,13 +136,21 @@ static void wrong_animations_are_refused(void **state) {
         satin_status status;
         const char *message;
     } cases[] = {
-        {{VIEWS, 0, 5, 5, 7, take_image, NULL, NULL}, SATIN_ERROR_ARGUMENT, "no frames"},
-        {{VIEWS, 4, 5, 5, 7, NULL, NULL, NULL}, SATIN_ERROR_ARGUMENT, "no function"},
-        {{VIEWS, 4, 5, 4, 7, take_image, NULL, NULL}, SATIN_ERROR_INPUT, "frames 4 to 7 are not"},
-        {{VIEWS, 4, 5, 5, 9, take_image, NULL, NULL}, SATIN_ERROR_INPUT, "of the frames 5 to 8"},
-        {{VIEWS, 4, 5, 7, 6, take_image, NULL, NULL}, SATIN_ERROR_INPUT, "frames 7 to 6"},
-        {{flat, 1, 5, 5, 5, take_image, NULL, NULL}, SATIN_ERROR_INPUT, "frame 5 has no view"},
-        {{wide, 1, 5, 5, 5, take_image, NULL, NULL}, SATIN_ERROR_INPUT, "the angle of view 180"},
+        {{VIEWS, 0, 5, 5, 7, take_image, NULL, NULL, NULL, 0}, SATIN_ERROR_ARGUMENT, "no frames"},
+        {{VIEWS, 4, 5, 5, 7, NULL, NULL, NULL, NULL, 0}, SATIN_ERROR_ARGUMENT, "no function"},
+        {{VIEWS, 4, 5, 4, 7, take_image, NULL, NULL, NULL, 0},
+         SATIN_ERROR_INPUT,
+         "frames 4 to 7 are not"},
+        {{VIEWS, 4, 5, 5, 9, take_image, NULL, NULL, NULL, 0},
+         SATIN_ERROR_INPUT,
+         "of the frames 5 to 8"},
+        {{VIEWS, 4, 5, 7, 6, take_image, NULL, NULL, NULL, 0}, SATIN_ERROR_INPUT, "frames 7 to 6"},
+        {{flat, 1, 5, 5, 5, take_image, NULL, NULL, NULL, 0},
+         SATIN_ERROR_INPUT,
+         "frame 5 has no view"},
+        {{wide, 1, 5, 5, 5, take_image, NULL, NULL, NULL, 0},
+         SATIN_ERROR_INPUT,
+         "the angle of view 180"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct animated a = {0};
@@ -138,6 +166,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_come_in_their_order),
         cmocka_unit_test(sensors_are_frames),
+        cmocka_unit_test(moved_frames_have_scenes_of_their_own),
         cmocka_unit_test(wrong_animations_are_refused),
     };
     if (argc != 2) return 2;
