@@ -57,6 +57,11 @@ struct fill_sites {
     bool adapted;      // new records have the scale of the nearest one [K05 6.3.2]
 };
 
+// The number of sites that need a record of a kind and are not covered at accuracy a, estimated
+// from the first ones, which must be in random order. It makes fewer records: one covers several.
+double fill_uncovered(const struct fill *fill, enum cache_kind kind,
+                      const struct fill_sites *sites);
+
 // Makes records of a kind until every site that needs one is covered at accuracy a. It selects
 // uncovered sites in the given order, in batches whose members are far apart, gathers each batch on
 // all threads while the cache does not change, and inserts the records in order: they depend on the

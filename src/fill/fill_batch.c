@@ -90,12 +90,8 @@ static int batch_size(size_t sites) {
 static void test_coverage(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     struct batch *b = ctx;
-    struct cache_near near[CACHE_NEAR_MAX];
-    for (size_t i = begin; i < end; i++) {
-        const struct fill_site *s = b->tested[i];
-        b->covered[i] =
-            cache_find(b->cache, &b->store->tree, s->p, s->frame.n, b->sites->a, near) > 0;
-    }
+    for (size_t i = begin; i < end; i++)
+        b->covered[i] = fill_is_covered(b->fill, b->kind, b->tested[i], b->sites->a);
 }
 
 // Whether a site is far enough from all members of the batch.

@@ -29,6 +29,10 @@ struct fill {
     } adapted;
 };
 
+// Whether records of a kind cover the site at accuracy a (fill_coverage.c).
+bool fill_is_covered(const struct fill *fill, enum cache_kind kind, const struct fill_site *site,
+                     float a);
+
 // ---- The area of a new record (fill_extent.c) ---------------------------------------------------
 
 // The extent of a record before neighbour clamping: an ellipse in the tangent plane, or a circle if

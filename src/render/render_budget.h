@@ -117,28 +117,11 @@ float render_budget_least_radius(float factor);
 // The largest factor of a at which records may be read by the image pass.
 float render_budget_largest_factor(const satin_options *options);
 
-// The state of the levels of the first round, which must cover the image within its time.
-struct render_covering {
-    float rays;      // fraction of the options' gather rays for records of the coarsest level; from
-                     // RENDER_COARSEST on, records of all levels get all
-    double records;  // number of records of the last level
-    double full, seconds;  // records, each weighted by its fraction of the rays, and the time for
-                           // them; earlier levels count less
-};
-// The fraction of the options' gather rays for records of the level of this stride.
-float render_budget_rays(const satin_options *options, const struct render_covering *covering,
-                         int stride);
-// To be called after the level of this stride, which made `made` records in `seconds`: sets the
-// rays of the finer levels, for which `left` seconds remain.
-void render_budget_level(const satin_options *options, struct render_covering *covering, int stride,
-                         double made, double seconds, double left);
-// To be called after render_budget_level: whether the image is denoised and there is no time for
-// records by all of their rays in the first round. Then it has none: records of few rays have noise
-// that is not denoised.
-bool render_budget_without_records(const satin_options *options,
-                                   const struct render_covering *covering, int stride);
 // The seconds that the first round may still take.
 double render_budget_first_round(const struct render *r);
+// Whether another round should follow the first one, which took `seconds`. It takes longer, being
+// finer; without one there is more time for the image.
+bool render_budget_next_round(const struct render *r, double seconds);
 
 // The distance of the pixels whose points adaptive caching compares, in both directions.
 int render_budget_adaptive_stride(int width, int height);

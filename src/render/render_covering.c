@@ -60,14 +60,15 @@ void render_covering_plan(const satin_options *o, struct render_covering *c, int
     double records[RENDER_LEVELS];  // of this level and of the finer ones
     int levels = 0;
     records[levels++] = RECORDS_PER_SITE * needed;
-    double level = c->made + records[0];
-    const double scale = growth_scale(c, stride, level);
+    double made = c->made + records[0];  // by the level
+
+    const double scale = growth_scale(c, stride, made);
     for (int s = stride / 2; s > 0; s /= 2) {
         pixels *= 4.0;
         if (!render_covering_pays(c, pixels, left)) break;
         left -= render_covering_search(c, pixels);
-        level *= growth_at(s) * (s == RENDER_COARSEST / 2 ? GROWTH_UNKNOWN : scale);
-        records[levels++] = level;
+        made *= growth_at(s) * (s == RENDER_COARSEST / 2 ? GROWTH_UNKNOWN : scale);
+        records[levels++] = made;
     }
     const double budget = left * c->full / c->seconds;
     double lo = 0.0, hi = RENDER_COARSEST;

@@ -4,9 +4,13 @@
 // image. If there are several views, each level goes through all of them.
 #include <stdlib.h>
 
+#include "render/render_covering.h"
 #include "render/render_state.h"
 
-enum { BLOCK_PIXELS = 65536 };  // pixels whose sites are in memory at a time
+enum {
+    BLOCK_PIXELS = 65536,  // pixels whose sites are in memory at a time
+    FIRST_PIXELS = 8       // of the first level with a time limit: their records show the speed
+};
 
 // What all rounds of filling have in common.
 struct record_rounds {
@@ -15,8 +19,97 @@ struct record_rounds {
     struct render_sites sites;
 };
 
+// A level of a round.
+struct record_level {
+    int stride;
+    struct render_factors factor;  // factors of a
+    uint32_t *pixel;
+    size_t count, done;  // pixels of one view; pixels of all views that are done
+    double begin, span;  // its loops are the range [begin, begin + span] of the stage
+    bool covering;       // the numbers of rays are chosen so that the image is covered in time
+};
+
 static double count_records(const struct render *r) {
     return (double)cache_count_all(r->second_pass.cache);
+}
+
+// The pixels of a level in all views.
+static double all_pixels(const struct record_rounds *rounds, const struct record_level *level) {
+    return (double)level->count * (double)scene_camera_count(&rounds->r->scene);
+}
+
+static struct fill_sites sites_to_cover(const struct record_rounds *rounds,
+                                        const struct record_level *level, enum cache_kind kind) {
+    const satin_options *o = &rounds->r->options;
+    const float a = kind == CACHE_IRRADIANCE ? o->irradiance_a : o->radiance_a;
+    return (struct fill_sites){.site = rounds->sites.site,
+                               .count = rounds->sites.count,
+                               .a = a * level->factor.of[kind],
+                               .factor_max = render_budget_largest_factor(o),
+                               .spacing = 1.5f * (float)level->stride};
+}
+
+// Chooses the rays of the records of this level, of whose pixels `count` have the current sites.
+static satin_status plan_rays(struct record_rounds *rounds, const struct record_level *level,
+                              size_t count) {
+    struct render *r = rounds->r;
+    const double pixels = all_pixels(rounds, level);
+    double needed = 0.0;
+    for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS; kind++) {
+        const struct fill_sites sites = sites_to_cover(rounds, level, kind);
+        needed += fill_uncovered(r->second_pass.fill, kind, &sites);
+    }
+    needed *= (pixels - (double)level->done) / (double)count;
+    render_covering_plan(&r->options, &rounds->covering, level->stride, pixels, needed,
+                         render_budget_first_round(r));
+    return fill_limit_rays(r->second_pass.fill,
+                           render_covering_rays(&r->options, &rounds->covering, level->stride));
+}
+
+// Pixels of a level that one view sees, whose sites are in memory.
+struct record_block {
+    uint32_t view;
+    size_t first, count;  // pixels
+    double found;         // wall clock when its sites were found
+    double records;       // number of records before
+};
+
+// Takes the next block, one view after another: finds its sites, and the rays of their records.
+static satin_status begin_block(struct record_rounds *rounds, const struct record_level *level,
+                                struct record_block *block) {
+    struct render *r = rounds->r;
+    const bool first = level->covering && level->stride == RENDER_COARSEST && level->done == 0;
+    block->view = (uint32_t)(level->done / level->count);
+    block->first = level->done % level->count;
+    block->count = first ? FIRST_PIXELS : BLOCK_PIXELS;
+    if (block->count > level->count - block->first) block->count = level->count - block->first;
+    block->records = count_records(r);
+    const double step = level->span / all_pixels(rounds, level), start = stats_wall();
+    render_stage_range(r, level->begin + step * (double)level->done, step * (double)block->count);
+    satin_status status = render_find_sites(r, block->view, level->pixel + block->first,
+                                            block->count, false, &rounds->sites);
+    rounds->covering.search += render_agreed(r, stats_wall() - start);
+    rounds->covering.pixels += (double)block->count;
+    if (status == SATIN_OK && level->covering) status = plan_rays(rounds, level, block->count);
+    block->found = stats_wall();
+    return status;
+}
+
+static void end_block(struct record_rounds *rounds, struct record_level *level,
+                      const struct record_block *block) {
+    struct render *r = rounds->r;
+    const double made = count_records(r) - block->records;
+    const double seconds = render_agreed(r, stats_wall() - block->found);
+    level->done += block->count;
+    if (level->covering)
+        render_covering_filled(&r->options, &rounds->covering, level->stride, made, seconds);
+    if (r->frames.view) r->frames.records[block->view] += made;
+}
+
+// Whether the sites of the level are worth the search.
+static bool level_pays(const struct record_rounds *rounds, const struct record_level *level) {
+    return !level->covering || render_covering_pays(&rounds->covering, all_pixels(rounds, level),
+                                                    render_budget_first_round(rounds->r));
 }
 
 // Fills all levels at `factor` times a; the loops are the range [done, done + span] of the stage.
@@ -24,48 +117,33 @@ static double count_records(const struct render *r) {
 static satin_status cover_levels(struct record_rounds *rounds, struct render_factors factor,
                                  bool covering, double done, double span) {
     struct render *r = rounds->r;
-    const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
-    const uint32_t views = scene_camera_count(&r->scene);
-    satin_status status = SATIN_OK;
-    int stride = RENDER_COARSEST;
-    for (int level = 0;
-         level < RENDER_LEVELS && status == SATIN_OK && render_has_stage(r, STAGE_RECORDS);
-         level++, stride /= 2) {
-        const double start = stats_wall(), before = count_records(r);
-        status = fill_limit_rays(r->second_pass.fill,
-                                 render_budget_rays(&r->options, &rounds->covering, stride));
-        size_t count;
-        uint32_t *pixel = render_grid(r, stride, level > 0, &count);
-        if (!pixel) status = SATIN_ERROR_MEMORY;
-        // Block by block, one view after another.
-        const size_t blocks = (count + BLOCK_PIXELS - 1) / BLOCK_PIXELS, all = views * blocks;
-        for (size_t i = 0; i < all && status == SATIN_OK; i++) {
-            const uint32_t view = (uint32_t)(i / blocks);
-            const size_t first = i % blocks * BLOCK_PIXELS, left = count - first;
-            const double made = count_records(r);
-            const double block = span / RENDER_LEVELS / (double)all;
-            render_stage_range(r, done + span * level / RENDER_LEVELS + block * (double)i, block);
-            status =
-                render_find_sites(r, view, pixel + first, left < BLOCK_PIXELS ? left : BLOCK_PIXELS,
-                                  false, &rounds->sites);
-            for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
-                 kind++) {
-                const struct fill_sites sites = {
-                    .site = rounds->sites.site,
-                    .count = rounds->sites.count,
-                    .a = a[kind] * factor.of[kind],
-                    .factor_max = render_budget_largest_factor(&r->options),
-                    .spacing = 1.5f * (float)stride};
-                status = fill_records(r->second_pass.fill, kind, &sites);
+    satin_status status = covering ? SATIN_OK : fill_limit_rays(r->second_pass.fill, 1.0f);
+    bool pays = true;
+    for (int i = 0; i < RENDER_LEVELS && status == SATIN_OK && pays; i++) {
+        struct record_level level = {.stride = RENDER_COARSEST >> i,
+                                     .factor = factor,
+                                     .begin = done + span * i / RENDER_LEVELS,
+                                     .span = span / RENDER_LEVELS,
+                                     .covering = covering};
+        level.pixel = render_grid(r, level.stride, i > 0, &level.count);
+        if (!level.pixel) return SATIN_ERROR_MEMORY;
+        pays = level_pays(rounds, &level);
+        while (pays && status == SATIN_OK && (double)level.done < all_pixels(rounds, &level)) {
+            struct record_block block;
+            status = begin_block(rounds, &level, &block);
+            for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++) {
+                const struct fill_sites sites = sites_to_cover(rounds, &level, k);
+                status = fill_records(r->second_pass.fill, k, &sites);
             }
-            if (r->frames.view) r->frames.records[view] += count_records(r) - made;
+            end_block(rounds, &level, &block);
         }
-        free(pixel);
-        if (!covering) continue;
-        render_budget_level(&r->options, &rounds->covering, stride, count_records(r) - before,
-                            render_agreed(r, stats_wall() - start), render_budget_first_round(r));
-        if (render_budget_without_records(&r->options, &rounds->covering, stride))
-            render_take_course(r, COURSE_WITHOUT_RECORDS);
+        free(level.pixel);
+        render_covering_next(&rounds->covering);
+        if (!covering ||
+            !render_covering_without_records(&r->options, &rounds->covering, level.stride))
+            continue;
+        render_take_course(r, COURSE_WITHOUT_RECORDS);
+        break;
     }
     return status;
 }
@@ -85,7 +163,7 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
     const int count = render_budget_rounds(&r->options);
     render_limit_records(r, NULL);
     read_at(r, finished.of[CACHE_IRRADIANCE], finished.of[CACHE_RADIANCE]);
-    double start = stats_wall();
+    const double start = stats_wall();
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         const struct render_factors factor = render_budget_round(&r->options, i);
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
@@ -95,8 +173,10 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
         finished = factor;
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
+        const double seconds = render_agreed(r, stats_wall() - start);
+        if (!render_budget_next_round(r, seconds)) break;
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
-                                           fmax(render_agreed(r, stats_wall() - start), 1e-9)};
+                                           fmax(seconds, 1e-9)};
         status = render_image_pilot(r, &pace);
         if (status == SATIN_OK) render_limit_records(r, &pace);
     }

@@ -118,8 +118,9 @@ IDENTIFIERS = {
         "seen_count": r"src/guide/guide(?:_view)?\."}),
     "Level": ("levels?", {
         "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_levels|plugins_texture)"
-                   r"|render/render_(?:budget|records)|scene/scene(?:_texture)?\.)",
-        "RENDER_LEVELS|render_budget_level|cover_levels": "src/render/render_(?:budget|records)",
+                   r"|render/render_(?:budget|covering|records)|scene/scene(?:_texture)?\.)",
+        "RENDER_LEVELS|cover_levels|record_level|level_pays":
+            "src/render/render_(?:budget|covering|records)",
         "load_image_levels": "src/load/load_(?:build|image_levels|plugins_texture)",
         "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
     "Guide": ("guid(?:es?|ed|ing)", {
@@ -143,7 +144,7 @@ RETIRED_IDENTIFIERS = [
 TEST_IDENTIFIERS = {
     "Place": r"after_place", "Part": r"\w*(?i:part)s?\w*",
     "Branch": r"\w*(?i:branch)\w*", "Room": r"\w*(?i:room)\w*",
-    "Seen": "seen_directly", "Level": "after_level|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
+    "Seen": "seen_directly", "Level": "levels?_\\w+|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
     "Guide": r"test_guide_\w+", "Shared": "MAP_SHARED|oidnSetSharedFilterImage|shared"}
 # Folders of code outside of src and include.
 OUTSIDE = ("tests/", "bench/", "data/", "docs/")
@@ -161,7 +162,7 @@ IN_TEXT = {
     "Level": ("levels?", r"src/cache/cache_tree|src/fill/fill_batch"
               r"|src/load/load_(?:image_levels|build|plugins_texture\.c)"
               r"|src/scene/scene(?:_texture\.c|\.h)"
-              r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c",
+              r"|src/render/render_(?:budget|covering|records)|src/film/film_exr_read\.c",
               "recursive-levels"),
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),
     "Shared": (r"shar(?:es?|ing)", "", ""),

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a time limit is divided into: nothing without a limit, steps in their order with one, and
 // records as much as follows from the measured paces; and the numbers of photons, samples and rays.
-// The rounds of records become finer until they end, and the rays of the first round are those that
-// its time allows.
+// The rounds of records become finer until they end.
 #include "render/render_budget.h"
 
 #include <setjmp.h>
@@ -58,6 +57,10 @@ static void steps_end_in_their_order(void **state) {
     render_limit_records(&r, NULL);
     const double records = r.progress.deadline, image = image_limit(&r);
     assert_true(0.0 < tables && tables < records && records < image && image < 1000.0);
+    // A second round of records follows if there is time for half of it.
+    r.progress.deadline = records;
+    assert_true(render_budget_next_round(&r, 1.9 * (records - 1.0)));
+    assert_false(render_budget_next_round(&r, 2.1 * records));
     parallel_free(r.pool);
 }
 
@@ -339,62 +342,6 @@ static void no_record_is_read_wider_than_it_may_be(void **state) {
     assert_true(render_budget_largest_factor(&o) == 1.5f);
 }
 
-static void coarse_records_get_more_rays(void **state) {
-    (void)state;
-    const satin_options o = timed_options(SATIN_PREVIEW);  // 600 rays
-    const struct render_covering all = {.rays = RENDER_COARSEST}, half = {.rays = 0.5f}, few = {0};
-    for (int stride = 1; stride <= RENDER_COARSEST; stride *= 2) {
-        assert_true(render_budget_rays(&o, &all, stride) == 1.0f);
-        assert_true(render_budget_rays(&o, &half, stride) >=
-                    fmaxf(0.5f * (float)stride / RENDER_COARSEST, 32.0f / 600.0f));
-        assert_true(render_budget_rays(&o, &few, stride) == 32.0f / 600.0f);
-    }
-    assert_true(render_budget_rays(&o, &half, RENDER_COARSEST) == 0.5f);
-}
-
-// After a level of 100 records by all rays in a second, a level finer than the coarsest one.
-static struct render_covering after_level(const satin_options *o, int stride, double left) {
-    struct render_covering c = {.rays = RENDER_COARSEST, .records = 100.0};
-    render_budget_level(o, &c, stride, 100.0, 1.0, left);
-    return c;
-}
-
-static void the_time_limits_the_rays_of_records(void **state) {
-    (void)state;
-    const satin_options o = timed_options(SATIN_PRODUCTION);  // 2000 rays
-    // A level that makes as many records as the one before it has 1 / 1.7 of the typical growth,
-    // and so has the last level, whose typical growth is 1.2.
-    const double last_growth = 1.2 / 1.7;
-    for (double left = 0.1; left < last_growth; left *= 2.0) {
-        const struct render_covering c = after_level(&o, 2, left);
-        assert_true(fabs(last_growth * (double)render_budget_rays(&o, &c, 1) - left) < 1e-3);
-    }
-    float before = 0.0f;
-    for (double left = 0.01; left < 100.0; left *= 2.0) {
-        const struct render_covering c = after_level(&o, RENDER_COARSEST, left);
-        const float rays = render_budget_rays(&o, &c, 1);
-        assert_true(rays >= before);
-        before = rays;
-    }
-    const struct render_covering none = after_level(&o, RENDER_COARSEST, 0.0);
-    assert_true(render_budget_rays(&o, &none, 16) == 32.0f / 2000.0f);
-    assert_true(before == 1.0f);
-    const struct render_covering last = after_level(&o, 1, 0.0);
-    assert_true(last.rays == RENDER_COARSEST);
-}
-
-static void a_denoised_image_has_whole_records_or_none(void **state) {
-    (void)state;
-    satin_options o = timed_options(SATIN_PRODUCTION);
-    const struct render_covering fits = after_level(&o, 2, 1.0), few = after_level(&o, 2, 0.5),
-                                 first = after_level(&o, RENDER_COARSEST, 0.0);
-    assert_false(render_budget_without_records(&o, &few, 2));
-    o.denoise = true;
-    assert_true(render_budget_without_records(&o, &few, 2));
-    assert_false(render_budget_without_records(&o, &fits, 2));
-    assert_false(render_budget_without_records(&o, &first, RENDER_COARSEST));
-}
-
 static void adaptive_caching_compares_a_bounded_number(void **state) {
     (void)state;
     for (int width = 1; width < 40000; width = 2 * width + 1)
@@ -426,9 +373,6 @@ int main(void) {
         cmocka_unit_test(rounds_become_finer_until_they_end),
         cmocka_unit_test(the_last_records_are_half_a_pixel_wide),
         cmocka_unit_test(no_record_is_read_wider_than_it_may_be),
-        cmocka_unit_test(coarse_records_get_more_rays),
-        cmocka_unit_test(the_time_limits_the_rays_of_records),
-        cmocka_unit_test(a_denoised_image_has_whole_records_or_none),
         cmocka_unit_test(adaptive_caching_compares_a_bounded_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
