@@ -64,7 +64,8 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
     const struct gather_hemisphere *h = worker->hemisphere;
     float lambda[3 * N2];
     for (uint64_t layer = 0; layer < LAYERS; layer++) {
-        const struct gather_site site = {s.p, n, frame_from_normal(n), layer, true};
+        const struct gather_site site = {s.p,  n,        frame_from_normal(n), layer, true,
+                                         NULL, {0, 0, 0}};
         gather_hemisphere_trace(g, layout, &site, worker->scratch, worker->hemisphere);
         gather_hemisphere_radiance(g, h, &(struct gather_radiance){.lambda = lambda});
         for (size_t i = 0, k = layer * RAYS; i < RAYS; i++, k++) {

@@ -44,6 +44,7 @@ void fill_free(struct fill *fill) {
     if (!fill) return;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         for (int i = 0; i < FILL_LAYOUTS; i++) gather_layout_free(fill->layout[k][i]);
+    for (int i = 0; i < FILL_LAYOUTS; i++) gather_layout_free(fill->glossy[i]);
     gather_layout_free(fill->irradiance_whole);
     gather_workers_free(fill->worker, fill->worker_count);
     free(fill);

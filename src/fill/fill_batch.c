@@ -251,7 +251,8 @@ static void make_records(void *ctx, size_t begin, size_t end, int worker) {
         const struct fill_site *s = job->site;
         const struct gather_layout *layout =
             fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->factor_max);
-        struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
+        struct gather_site site = {s->p, s->ng, s->frame, s->stream, true, NULL, s->glossy.wo};
+        if (fill_rays_glossy(b->kind, s)) site.glossy = &s->glossy.brdf;
         for (int attempt = 0; attempt < ATTEMPTS && !job->found.valid; attempt++) {
             gather_hemisphere_trace(f->g, layout, &site, w->scratch, w->hemisphere);
             b->records->find(b, job, w->hemisphere);

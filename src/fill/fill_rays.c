@@ -7,11 +7,15 @@
 // The index of the plain number of rays; others are up to four times larger or smaller.
 enum { PLAIN = FILL_LAYOUTS / 2 };
 
-satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fraction) {
-    const struct cache_store *store = &fill->cache->store[kind];
+// The fraction of the rays of a record that are stratified, if the others are drawn by glossy
+// lobes (gather_lobe_rays.c).
+static const double STRATIFIED = 0.5;
+
+// Replaces a set of layouts by those of `rays` rays and, if the options ask for a noise, of
+// fewer and more. SATIN_ERROR_MEMORY: then it stays as it is.
+static satin_status replace_layouts(struct gather_layout **layout, const struct cache_store *store,
+                                    double rays) {
     const struct cache_options *o = &store->options;
-    struct gather_layout **layout = fill->layout[kind];
-    const double rays = (double)fraction * o->rays;
     struct gather_layout *made[FILL_LAYOUTS] = {NULL};
     satin_status status = SATIN_OK;
     for (int i = 0; i < FILL_LAYOUTS && status == SATIN_OK; i++) {
@@ -25,6 +29,14 @@ satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fr
         if (status == SATIN_OK) layout[i] = made[i];
     }
     return status;
+}
+
+satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fraction) {
+    const struct cache_store *store = &fill->cache->store[kind];
+    const double rays = (double)fraction * store->options.rays;
+    const satin_status status = replace_layouts(fill->layout[kind], store, rays);
+    if (status != SATIN_OK || kind != CACHE_RADIANCE) return status;
+    return replace_layouts(fill->glossy, store, STRATIFIED * rays);
 }
 
 satin_status fill_limit_rays(struct fill *fill, float fraction) {
@@ -62,10 +74,15 @@ static variance_fn *const variance_of[CACHE_KINDS] = {
     [CACHE_RADIANCE] = radiance_variance,
 };
 
+bool fill_rays_glossy(enum cache_kind kind, const struct fill_site *site) {
+    return kind == CACHE_RADIANCE && site->glossy.table;
+}
+
 const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache_kind kind,
                                              const struct fill_site *site, float a) {
     const struct cache_store *store = &fill->cache->store[kind];
-    struct gather_layout *const *layout = fill->layout[kind];
+    const bool glossy = fill_rays_glossy(kind, site);
+    struct gather_layout *const *layout = glossy ? fill->glossy : fill->layout[kind];
     const float noise = store->options.noise;
     if (!(noise > 0.0f)) return layout[PLAIN];
     struct cache_near near[CACHE_NEAR_MAX];
@@ -74,7 +91,8 @@ const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache
     for (int i = 0; i < count; i++) variance += variance_of[kind](fill->cache, near[i].record);
     if (!(variance > 0.0f)) return layout[PLAIN];
     const float wanted = variance / ((float)count * noise * noise);
-    const float times = wanted / (float)gather_layout_rays(layout[PLAIN]);
+    const float plain = (float)gather_layout_rays(fill->layout[kind][PLAIN]);
+    const float times = wanted / plain;
     const int step = (int)lroundf(log2f(clampf(times, 0x1p-10f, 0x1p10f)));
     return layout[step < -PLAIN ? 0 : step > PLAIN ? FILL_LAYOUTS - 1 : PLAIN + step];
 }

@@ -13,8 +13,9 @@ struct fill {
     struct cache *cache;
     const struct gather *g;
     struct parallel *pool;
-    // Hemispheres of different numbers of rays; NULL if not used.
-    struct gather_layout *layout[CACHE_KINDS][FILL_LAYOUTS];
+    // Hemispheres of different numbers of rays, of each kind of records, and of radiance records
+    // that have as many rays by glossy lobes as stratified ones; NULL if not used.
+    struct gather_layout *layout[CACHE_KINDS][FILL_LAYOUTS], *glossy[FILL_LAYOUTS];
     struct gather_layout *irradiance_whole;  // with all the rays of the options
     float rays_fraction;                     // fraction of the options' rays that new records get
     float radius_fraction[CACHE_KINDS];      // of the options' least radius, for new records
@@ -66,6 +67,8 @@ uint32_t fill_leak_sectors(const struct gather_surroundings *around, float radiu
 // Makes new layouts for a kind of records: those that its options need, for a fraction of the rays.
 // SATIN_ERROR_MEMORY: then it keeps its layouts.
 satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fraction);
+// Whether half of the rays of a new record are drawn by the glossy lobes of its site.
+bool fill_rays_glossy(enum cache_kind kind, const struct fill_site *site);
 // The layout of a new record, from the variance of the records that cover its site at accuracy a.
 const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache_kind kind,
                                              const struct fill_site *site, float a);

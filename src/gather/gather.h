@@ -218,6 +218,10 @@ struct gather_site {
     uint64_t stream;     // random stream of this site
     bool record;         // it is for a record: rays see sharp lobes as wide as the solid angle they
                          // represent; otherwise it is averaged with others of its pixel
+    // the BRDF by whose glossy lobes as many rays are drawn as there are stratified ones, for light
+    // that is reflected to wo (in the frame). NULL: none are.
+    const struct brdf *glossy;
+    vec3 wo;
 };
 
 // The constants of a stratified hemisphere of about `rays` rays: uniform for harmonics of `order`,
@@ -233,22 +237,26 @@ size_t gather_layout_rays(const struct gather_layout *layout);  // the exact num
 struct gather_hemisphere {
     const struct gather_layout *layout;
     struct frame frame;        // of the site; local directions refer to it
-    size_t stratified, count;  // numbers of stratified rays, and of all rays
+    size_t stratified, count;  // numbers of stratified rays, and of these and those to clusters
+    size_t all;                // number of rays with those of glossy lobes, which are the last
     struct gather_ray *ray;
     rgb *L;            // radiance along each ray, weighted so that all count as stratified ones
     float *x, *y, *z;  // local directions
     float *r, *g, *b;  // L times the solid angle of a stratified ray, 2 pi / stratified; undefined
                        // in a cosine-weighted layout
-    float *work;       // 6 * count, scratch for computations on the hemisphere
+    float *weight;     // if all > count: weights of all rays in sums over all; gradients are of the
+                       // other rays, which they leave as they are
+    float *work;       // 6 * all, scratch for computations on the hemisphere
 };
 
-// Allocates memory for up to `rays` stratified rays and half as many guided ones. NULL if there is
-// no memory.
+// Allocates memory for up to `rays` rays, stratified and by glossy lobes, and half as many to
+// clusters. NULL if there is no memory.
 struct gather_hemisphere *gather_hemisphere_new(size_t rays);
 void gather_hemisphere_free(struct gather_hemisphere *hemisphere);  // NULL is allowed
 
-// Replaces *out by the stratified rays of `layout` from the site and, if the options include them,
-// guided rays. *out must have memory for the layout's rays.
+// Replaces *out by the stratified rays of `layout` from the site, if the options include them
+// guided rays, and if the site has glossy lobes rays by these. *out must have memory for the
+// layout's rays, and for as many by glossy lobes.
 void gather_hemisphere_trace(const struct gather *g, const struct gather_layout *layout,
                              const struct gather_site *site, struct gather_scratch *scratch,
                              struct gather_hemisphere *out);

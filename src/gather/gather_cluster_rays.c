@@ -42,6 +42,6 @@ float gather_cluster_rays_weight(const struct gather_cluster_rays *clusters,
                                  const struct gather_hemisphere *h, size_t i) {
     if (clusters->to.count == 0) return 1.0f;
     const float pdf_w = h->layout->order ? 0.5f / PI_F : h->z[i] / PI_F;
-    return guide_rays_weight(&clusters->to, (int)i - (int)h->stratified, h->ray[i].ray.d,
-                             (float)h->stratified * pdf_w);
+    const int drawn = i < h->count ? (int)i - (int)h->stratified : -1;
+    return guide_rays_weight(&clusters->to, drawn, h->ray[i].ray.d, (float)h->stratified * pdf_w);
 }

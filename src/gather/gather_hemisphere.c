@@ -8,6 +8,7 @@
 #include "base/array.h"
 #include "gather/gather_cluster_rays.h"
 #include "gather/gather_gradients.h"
+#include "gather/gather_lobe_rays.h"
 #include "rsh/rsh.h"
 
 // A lobe that is sharper than the solid angle of a ray is hit by few neighbouring rays, and there
@@ -29,7 +30,7 @@ struct gather_hemisphere *gather_hemisphere_new(size_t rays) {
     const size_t capacity = rays + rays / 2;
     h->ray = array_new(capacity, sizeof *h->ray);
     h->L = array_new(capacity, sizeof *h->L);
-    h->x = array_new(12 * capacity, sizeof *h->x);
+    h->x = array_new(13 * capacity, sizeof *h->x);
     if (!h->ray || !h->L || !h->x) {
         gather_hemisphere_free(h);
         return NULL;
@@ -39,7 +40,8 @@ struct gather_hemisphere *gather_hemisphere_new(size_t rays) {
     h->r = h->z + capacity;
     h->g = h->r + capacity;
     h->b = h->g + capacity;
-    h->work = h->b + capacity;
+    h->weight = h->b + capacity;
+    h->work = h->weight + capacity;
     return h;
 }
 
@@ -80,7 +82,7 @@ void gather_hemisphere_begin(struct gather_hemisphere *h, const struct gather_la
                              const struct frame *frame) {
     h->layout = layout;
     h->frame = *frame;
-    h->stratified = h->count = gather_layout_rays(layout);
+    h->stratified = h->count = h->all = gather_layout_rays(layout);
 }
 
 // Makes one jittered ray per stratum, row by row.
@@ -116,12 +118,14 @@ void gather_hemisphere_trace(const struct gather *g, const struct gather_layout 
     gather_hemisphere_begin(h, layout, &site->frame);
     make_stratified_rays(g, site, h);
     gather_cluster_rays_add(g, site, h, &clusters);
-    gather_rays_guided(g, scratch, h->ray, h->count, site->stream, &clusters.near);
-    for (size_t i = 0; i < h->count; i++)
-        h->L[i] = rgb_scale(h->ray[i].L, gather_cluster_rays_weight(&clusters, h, i));
+    gather_lobe_rays_add(g, site, &clusters, h);
+    gather_rays_guided(g, scratch, h->ray, h->all, site->stream, &clusters.near);
+    for (size_t i = 0; i < h->all; i++)
+        h->L[i] = i < h->count ? rgb_scale(h->ray[i].L, gather_cluster_rays_weight(&clusters, h, i))
+                               : h->ray[i].L;
     if (!layout->order) return;
     const float solid_angle = 2.0f * PI_F / (float)h->stratified;
-    for (size_t i = 0; i < h->count; i++) {
+    for (size_t i = 0; i < h->all; i++) {
         const rgb L = rgb_scale(h->L[i], solid_angle);
         h->r[i] = L.r;
         h->g[i] = L.g;
@@ -190,23 +194,41 @@ static void radiance_gradients(const struct gather_hemisphere *h, satin_gradient
 static void project(const struct gather_hemisphere *h, const float *r, const float *g,
                     const float *b, float *lambda) {
     const struct gather_layout *l = h->layout;
-    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, (int)h->count, h->x,
+    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, (int)h->all, h->x,
                 h->y, h->z, r, g, b, lambda);
+}
+
+static float ray_weight(const struct gather_hemisphere *h, size_t i) {
+    return h->all > h->count ? h->weight[i] : 1.0f;
+}
+
+static void project_weighted(const struct gather_hemisphere *h, float *lambda) {
+    if (h->all == h->count) {
+        project(h, h->r, h->g, h->b, lambda);
+        return;
+    }
+    float *r = h->work, *g = r + h->all, *b = g + h->all;
+    for (size_t i = 0; i < h->all; i++) {
+        r[i] = h->weight[i] * h->r[i];
+        g[i] = h->weight[i] * h->g[i];
+        b[i] = h->weight[i] * h->b[i];
+    }
+    project(h, r, g, b, lambda);
 }
 
 // Projects with negative weight for every second stratum: the signal cancels, the noise does not.
 static void project_noise(const struct gather_hemisphere *h, float *noise) {
     const struct gather_layout *l = h->layout;
     const float weight = 2.0f * PI_F / (float)h->stratified;
-    float *value = h->work, *zero = h->work + h->count;
+    float *value = h->work, *zero = h->work + h->all;
     float sum[3 * RSH_MAX_COEFFICIENTS] = {0};
-    for (size_t i = 0; i < h->count; i++) {
-        value[i] = weight * rgb_luminance(h->L[i]);
+    for (size_t i = 0; i < h->all; i++) {
+        value[i] = weight * ray_weight(h, i) * rgb_luminance(h->L[i]);
         zero[i] = 0.0f;
     }
     for (int j = 0; j < l->M; j++)
         for (int k = 1 - j % 2; k < l->N; k += 2) value[j * l->N + k] *= -1.0f;
-    for (size_t i = h->stratified | 1; i < h->count; i += 2) value[i] *= -1.0f;
+    for (size_t i = h->stratified | 1; i < h->all; i += 2) value[i] *= -1.0f;
     project(h, value, zero, zero, sum);
     memcpy(noise, sum, (size_t)(l->order * l->order) * sizeof *noise);
 }
@@ -215,8 +237,8 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemi
                                 struct gather_radiance *out) {
     const size_t n2 = (size_t)(h->layout->order * h->layout->order);
     memset(out->lambda, 0, sizeof *out->lambda * 3 * n2);
-    project(h, h->r, h->g, h->b, out->lambda);
-    out->rays = (uint32_t)h->count;
+    project_weighted(h, out->lambda);
+    out->rays = (uint32_t)h->all;
     if (out->dx) radiance_gradients(h, g->options->radiance_gradients, out->dx, out->dy);
     if (out->noise) project_noise(h, out->noise);
 }
@@ -224,10 +246,10 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemi
 rgb gather_hemisphere_reflected(const struct gather_hemisphere *h, const struct brdf *brdf, vec3 wo,
                                 unsigned lobes) {
     rgb sum = rgb_grey(0.0f);
-    for (size_t i = 0; i < h->count; i++) {
+    for (size_t i = 0; i < h->all; i++) {
         const vec3 wi = v3(h->x[i], h->y[i], h->z[i]);
         const rgb f = brdf_eval(brdf, wo, wi, lobes);
-        sum = rgb_fma(sum, rgb_scale(f, wi.z), h->L[i]);
+        sum = rgb_fma(sum, rgb_scale(f, ray_weight(h, i) * wi.z), h->L[i]);
     }
     return rgb_scale(sum, 2.0f * PI_F / (float)h->stratified);
 }

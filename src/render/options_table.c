@@ -178,7 +178,9 @@ const struct option options_table[] = {
      "Angle between normals [rad] up to which records are aligned by the fast approximate "
      "rotation; 0 is never."},
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
-     "Number of gather rays of a radiance record."},
+     "Number of gather rays of a radiance record. Half of them are drawn by the glossy lobes of "
+     "its "
+     "site."},
     {"radiance-noise", OPTION_FLOAT, AT(radiance_noise), false, "0..1",
      "Target noise of a radiance record, as irradiance-noise, for the vector of its coefficients."},
     {"radiance-a", OPTION_FLOAT, AT(radiance_a), true, "0.01..2",

@@ -11,7 +11,8 @@
 
 static struct gather_site site_of(const struct shade_job *job) {
     const struct shading_point *p = &job->vertex->point;
-    return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream, false};
+    return (struct gather_site){
+        .p = p->interaction.p, .ng = p->interaction.ng, .frame = p->base, .stream = job->stream};
 }
 
 static void note_records(struct shade_job *job, struct cache_used used) {

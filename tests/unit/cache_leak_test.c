@@ -35,7 +35,8 @@ static void cache_leak_start(struct cache_leak_fixture *f) {
     f->cache = (struct cache){.scene = &f->scene.scene, .options = &f->options};
 
     const vec3 up = v3(0, 0, 1);
-    struct gather_site site = {v3(0.2f, 0, 0), up, frame_from_tangent(up, v3(1, 0, 0)), 7, true};
+    struct gather_site site = {
+        v3(0.2f, 0, 0), up, frame_from_tangent(up, v3(1, 0, 0)), 7, true, NULL, {0, 0, 0}};
     struct gather_layout *layout = gather_layout_new(600, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     struct cache_irradiance_value value;

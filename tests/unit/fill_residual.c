@@ -69,11 +69,11 @@ static rgb fill_residual_reflected(const struct fill_residual_fixture *f) {
 // Returns that light by the rays of the same record.
 static rgb by_rays(const struct fill_residual_fixture *f) {
     const struct fill_site *s = &f->c.site[0];
-    const struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
     const struct brdf brdf = shiny();
+    const struct gather_site site = {s->p, s->ng, s->frame, s->stream, true, &brdf, WO};
     float lambda[3 * ORDER * ORDER];
     struct gather_radiance radiance = {.lambda = lambda};
-    struct gather_layout *layout = gather_layout_new(RAYS, SATIN_HSH, ORDER);
+    struct gather_layout *layout = gather_layout_new(RAYS / 2, SATIN_HSH, ORDER);
     struct gather_worker *worker = gather_workers_new(NULL, 2 * RAYS);
     gather_hemisphere_trace(&f->c.g, layout, &site, worker->scratch, worker->hemisphere);
     gather_hemisphere_radiance(&f->c.g, worker->hemisphere, &radiance);

@@ -26,7 +26,8 @@ static void gather_cluster_rays_start(struct gather_cluster_rays_fixture *f, int
 
 static struct gather_site gather_cluster_rays_floor_site(uint64_t stream) {
     vec3 n = v3(0, 1, 0);
-    return (struct gather_site){v3(-0.3f, -1.0f, 0.4f), n, frame_from_normal(n), stream, true};
+    return (struct gather_site){
+        v3(-0.3f, -1.0f, 0.4f), n, frame_from_normal(n), stream, true, NULL, {0, 0, 0}};
 }
 
 // The flux into the spot, reflected, comes to p from one direction: E over the cosine at p.

@@ -32,7 +32,8 @@ static void gather_hemisphere_start(struct gather_hemisphere_fixture *f) {
 
 static struct gather_site gather_hemisphere_floor_site(float x, float z, uint64_t stream) {
     vec3 n = v3(0, 1, 0);
-    return (struct gather_site){v3(x, -1.0f, z), n, frame_from_normal(n), stream, true};
+    return (struct gather_site){v3(x, -1.0f, z), n, frame_from_normal(n), stream, true, NULL,
+                                {0, 0, 0}};
 }
 
 // A closed box whose walls reflect half and emit half: gathered radiance is 1 / 4 everywhere.

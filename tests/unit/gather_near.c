@@ -23,7 +23,8 @@ static void gather_near_start(struct spot_room *f, int walls, int photons) {
 
 static struct gather_site ceiling_site(uint64_t stream) {
     const vec3 n = v3(0, -1, 0);
-    return (struct gather_site){v3(0.9f, 1.0f, 0.3f), n, frame_from_normal(n), stream, true};
+    return (struct gather_site){
+        v3(0.9f, 1.0f, 0.3f), n, frame_from_normal(n), stream, true, NULL, {0, 0, 0}};
 }
 
 // Draws the surface point y that is seen from p by the cosine.

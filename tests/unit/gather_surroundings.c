@@ -65,8 +65,8 @@ static double gather_surroundings_irradiance(struct gather_surroundings_fixture 
                                              float z, uint64_t stream,
                                              struct gather_surroundings *around) {
     vec3 n = v3(0, 1, 0);
-    struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream,
-                               true};
+    struct gather_site site = {
+        v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream, true, NULL, {0, 0, 0}};
     struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, f->layout, &site, f->worker->scratch, f->worker->hemisphere);
     gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
