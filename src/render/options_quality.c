@@ -38,7 +38,7 @@ static const struct {
                           36,
                           {.light_samples = 4,
                            .glossy_samples = 4,
-                           .photons = 1000000,
+                           .photons = 2500000,
                            .caustic_photons = 4000000,
                            .irradiance_rays = 2000,
                            .irradiance_a = 0.15f,

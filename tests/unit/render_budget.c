@@ -163,6 +163,13 @@ static void starved_maps_alone_are_made_again(void **state) {
     assert_true(render_budget_starved(&o, 1000.0, 2000.0) == 1.0);
     assert_true(render_budget_starved(&o, 1000.0, 125.0) == 4.0);
     assert_true(render_budget_starved(&o, 1000.0, 0.0) == 8.0);
+    // At production a starved map gets as many paths as if the options had a million.
+    o.photons = 2500000;
+    assert_true(fabs(render_budget_starved(&o, 2.5e6, 0.1 * 2.5e6) - 5.0 / 2.5) < 1e-9);
+    assert_true(fabs(render_budget_starved(&o, 2.5e6, 0.0) - 8.0 / 2.5) < 1e-9);
+    o.time = 10.0;
+    assert_true(render_budget_starved(&o, 2.5e6, 2.5e6) == 1.0);
+    o.photons = 0;
     o.time = 10.0;
     assert_true(render_budget_starved(&o, 1000.0, 500.0) == 2.5);
     assert_true(render_budget_starved(&o, 1000.0, 125.0) == 4.0);
