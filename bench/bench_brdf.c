@@ -28,7 +28,7 @@ static float run_model(const struct bench *n, enum operation op, int i) {
         case PDF:
             return brdf_pdf(&n->b, n->wo[i], n->wi[i], BRDF_SMOOTH);
         case SAMPLE:
-            brdf_sample_wi(&n->b, n->wo[i], u, n->wi[i].z, u, BRDF_ALL, BRDF_RADIANCE, &s);
+            brdf_sample_wi(&n->b, n->wo[i], u, (vec2){n->wi[i].z, u}, BRDF_ALL, BRDF_RADIANCE, &s);
             return s.weight.g;
         case ALBEDO:
             return brdf_albedo(&n->b, n->wo[i], BRDF_ALL).g;

@@ -46,7 +46,8 @@ static satin_status print_picture(FILE *out, const char *name, int width, int he
     void *data = NULL;
     size_t size = 0;
     if (!pixel) return SATIN_ERROR_MEMORY;
-    satin_status status = film_encode_pixels(name, width, height, 3, pixel, log, &data, &size);
+    satin_status status =
+        film_encode_pixels(name, &(struct film_pixels){width, height, 3, pixel}, log, &data, &size);
     if (status == SATIN_OK) {
         fprintf(out, ", \"%s\": \"data:image/png;base64,", name);
         print_base64(out, data, size);

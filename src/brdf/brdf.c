@@ -188,7 +188,7 @@ static float index_through(const struct brdf *b, vec3 wo) {
     return wo.z > 0.0f ? b->ior : 1.0f / b->ior;
 }
 
-bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
+bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, vec2 u, unsigned lobes,
                     enum brdf_mode mode, struct brdf_sample *out) {
     struct lobe_probability s;
     if (!find_probabilities(b, wo, lobes, &s)) return false;
@@ -196,12 +196,12 @@ bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, float u, float 
     bool glossy = u_lobe < s.delta + s.glossy || s.diffuse == 0.0f;
     vec3 wi;
     if (!glossy) {
-        wi = sample_cosine_hemisphere(u, v);
+        wi = sample_cosine_hemisphere(u.x, u.y);
         if (wo.z < 0.0f) wi.z = -wi.z;
     } else {
         float rest = minf((u_lobe - s.delta) / s.glossy, 0x1.fffffep-1f);
         unsigned both = lobes & brdf_lobes(b) & (BRDF_GLOSSY | BRDF_THROUGH);
-        if (!b->model->sample_glossy(b, wo, both, v3(rest, u, v), &wi)) return false;
+        if (!b->model->sample_glossy(b, wo, both, v3(rest, u.x, u.y), &wi)) return false;
     }
     unsigned side = smooth_lobes(b, wo, wi, lobes);
     float pdf = side ? pdf_smooth(b, wo, wi, lobes, s) : 0.0f;

@@ -229,8 +229,9 @@ float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
 // Whether the glossy lobe, sampled alone, draws wi with a density over `most` [sr^-1]; not if that
 // is INFINITY, or if there is no such lobe.
 bool brdf_is_sharp(const struct brdf *b, vec3 wo, vec3 wi, float most);
-// Draws one direction from the selected lobes. False if nothing is reflected or the sample failed.
-bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
+// Draws one direction from the selected lobes: a lobe by u_lobe, its direction by u, all in [0, 1).
+// False if nothing is reflected or the sample failed.
+bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, vec2 u, unsigned lobes,
                     enum brdf_mode mode, struct brdf_sample *out);
 // All delta lobes for wo (0 to 2), for deterministic splitting. Their weight is the fraction of
 // radiance, compressed by refraction, or of power; their probabilities sum to 1.

@@ -27,7 +27,7 @@ static rgb sample_mean(const struct brdf *b, vec3 wo, unsigned lobe, uint32_t po
     for (uint32_t i = 0; i < points; i++) {
         vec2 p = sample_sobol2(i, 1);
         struct brdf_sample s;
-        if (brdf_sample_wi(b, wo, sample_sobol1(i, 2), p.x, p.y, lobe, BRDF_POWER, &s))
+        if (brdf_sample_wi(b, wo, sample_sobol1(i, 2), p, lobe, BRDF_POWER, &s))
             sum = rgb_mad(sum, s.weight, 1.0f / (float)points);
     }
     return sum;

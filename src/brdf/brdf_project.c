@@ -32,8 +32,9 @@ static struct mirror_symmetry mirror_of(vec3 wo) {
 
 // Adds the points of one azimuth. Returns their contribution to the squared norm.
 static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror_symmetry *m,
-                          float azimuth, float weight, int channels,
-                          const struct project_rule *rule, struct project_points *points) {
+                          float azimuth, float weight, const struct project_rule *rule,
+                          struct project_points *points) {
+    const bool colored = points->channels == 3;
     float ca = cosf(azimuth), sa = sinf(azimuth);
     // Along the azimuth z = r.z cos(psi) + up.z cos(azimuth) sin(psi), and the horizon is at z = 0.
     float horizon = atan2f(m->r.z, -m->up.z * ca);
@@ -50,27 +51,27 @@ static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror_sym
         size_t k = points->count++;
         points->x[k] = wi.x, points->y[k] = wi.y, points->z[k] = wi.z;
         points->value[0][k] = w * f.r, points->value[1][k] = w * f.g, points->value[2][k] = w * f.b;
-        norm += (double)w * (f.r * f.r + (channels == 3 ? f.g * f.g + f.b * f.b : 0.0f));
+        norm += (double)w * (f.r * f.r + (colored ? f.g * f.g + f.b * f.b : 0.0f));
     }
     return norm;
 }
 
-double brdf_project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
-                           int channels, const struct project_rule *rule,
-                           struct project_points *points, float *c) {
+double brdf_project_glossy(const struct brdf *b, vec3 wo, struct project_target target,
+                           const struct project_rule *rule, struct project_points *points,
+                           float *c) {
     struct mirror_symmetry m = mirror_of(wo);
-    int azimuths = half ? PROJECT_AZIMUTHS + 1 : 2 * PROJECT_AZIMUTHS;
+    int azimuths = target.half ? PROJECT_AZIMUTHS + 1 : 2 * PROJECT_AZIMUTHS;
     double norm = 0.0;
     points->count = 0;
+    points->channels = target.channels;
     for (int k = 0; k < azimuths; k++) {
         float weight = PI_F / PROJECT_AZIMUTHS;
-        if (half && k > 0 && k < PROJECT_AZIMUTHS) weight *= 2.0f;
-        norm += add_azimuth(b, wo, &m, PI_F * (float)k / PROJECT_AZIMUTHS, weight, channels, rule,
-                            points);
+        if (target.half && k > 0 && k < PROJECT_AZIMUTHS) weight *= 2.0f;
+        norm += add_azimuth(b, wo, &m, PI_F * (float)k / PROJECT_AZIMUTHS, weight, rule, points);
     }
-    const float *v = points->value[0];
-    rsh_project(basis, order, points->count, points->x, points->y, points->z, v,
-                channels == 3 ? points->value[1] : NULL, channels == 3 ? points->value[2] : NULL,
-                c);
+    const bool colored = target.channels == 3;
+    rsh_project(target.basis, target.order, points->count, points->x, points->y, points->z,
+                points->value[0], colored ? points->value[1] : NULL,
+                colored ? points->value[2] : NULL, c);
     return norm;
 }

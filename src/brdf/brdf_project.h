@@ -21,9 +21,19 @@ struct project_rule {
 
 void brdf_project_rule_make(struct project_rule *rule);
 
+// The harmonics onto which a lobe is projected.
+struct project_target {
+    rsh_basis basis;
+    int order, channels;
+    // The lobe is assumed to be even in y (wo.y = 0, and an isotropic model or one with its axes
+    // along x and y), which takes half the time and leaves coefficients of m < 0 without meaning.
+    bool half;
+};
+
 // Directions and values of one projection, for use as scratch.
 struct project_points {
     size_t count;
+    int channels;  // of the values
     float x[2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
     float y[2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
     float z[2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
@@ -32,11 +42,9 @@ struct project_points {
 
 // Adds to c[channels * order^2] the integrals of f_r cos(theta_i) H over the hemisphere, for b's
 // glossy lobe including `specular`. Returns the integral of (f_r cos(theta_i))^2, summed over
-// channels. wo.z > 0. With `half`, the lobe is assumed to be even in y (wo.y = 0, and an isotropic
-// model or one with its axes along x and y), which takes half the time and leaves c of m < 0
-// without meaning.
-double brdf_project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
-                           int channels, const struct project_rule *rule,
-                           struct project_points *points, float *c);
+// channels. wo.z > 0.
+double brdf_project_glossy(const struct brdf *b, vec3 wo, struct project_target target,
+                           const struct project_rule *rule, struct project_points *points,
+                           float *c);
 
 #endif

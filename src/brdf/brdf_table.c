@@ -109,8 +109,8 @@ static void build_nodes(void *ctx, size_t begin, size_t end, int worker) {
         float c[3 * ORDER_MAX * ORDER_MAX] = {0};
         if (!node_in_use(t, node)) continue;
         vec3 wo = node_direction(t, node);
-        double norm = brdf_project_glossy(b->brdf, wo, t->isotropic, t->basis, t->max_order,
-                                          t->channels, &b->rule, b->points + worker, c);
+        const struct project_target target = {t->basis, t->max_order, t->channels, t->isotropic};
+        double norm = brdf_project_glossy(b->brdf, wo, target, &b->rule, b->points + worker, c);
         float *out = t->c + node * (size_t)t->channels * t->stride;
         for (int channel = 0; channel < t->channels; channel++, out += t->stride)
             for (int l = 0, k = 0; l < t->max_order; l++)

@@ -74,11 +74,14 @@ satin_status film_parse_exr(const void *data, size_t size, const char *name, str
 
 // The sRGB transfer function in 8 bits; NaN and negative values are black.
 unsigned char film_encode_srgb(float linear);
-// Encodes 8-bit sRGB pixels of 3 channels, of 4 with alpha, or of 1 for grey, as a PNG. `name` is
-// for messages. The caller frees *data.
-satin_status film_encode_pixels(const char *name, int width, int height, int channels,
-                                const unsigned char *pixel, struct log log, void **data,
-                                size_t *size);
+// 8-bit sRGB pixels of 3 channels, of 4 with alpha, or of 1 for grey, row by row from the top.
+struct film_pixels {
+    int width, height, channels;
+    const unsigned char *pixel;
+};
+// Encodes a picture as a PNG. `name` is for messages. The caller frees *data.
+satin_status film_encode_pixels(const char *name, const struct film_pixels *picture, struct log log,
+                                void **data, size_t *size);
 // The factor of auto exposure for R, G and B, planes of the film's size.
 double film_auto_exposure(const struct satin_film *film, const float *const light[3]);
 // The 8-bit sRGB pixels of a picture as satin_film_write_png writes it, but without alpha, over
@@ -89,9 +92,8 @@ unsigned char *film_picture(const struct satin_film *film, const char *name,
 // for the disk. A reader of `path`, a regular file, always finds a whole picture.
 satin_status film_write_preview(const struct satin_film *film, const char *path,
                                 const satin_tonemap *tonemap, struct log log);
-// Writes a PNG of pixels as film_encode_pixels has them; `path` appears whole or not at all.
-satin_status film_write_pixels(const char *path, int width, int height, int channels,
-                               const unsigned char *pixel, struct log log);
+// Writes a picture as a PNG; `path` appears whole or not at all.
+satin_status film_write_pixels(const char *path, const struct film_pixels *picture, struct log log);
 // Writes a picture of one number per pixel (film_map.c): black where it is 0 or not finite, else
 // from dark blue to light yellow, uniform in lightness, up to *top. *top is almost the largest
 // value, so that a few outliers do not darken the picture.

@@ -127,24 +127,28 @@ struct kernel {
 
 static int border(int i, int count) { return i < 0 ? 0 : i < count ? i : count - 1; }
 
-// Adds `weight` times the picture, filtered by a kernel along x and another one along y, to `out`.
-// `scratch` has space for a plane.
-static void add_filtered(const float *in, int width, int height, const struct kernel *along_x,
-                         const struct kernel *along_y, float weight, float *scratch, float *out) {
+// Filters the rows of a plane.
+static void filter_rows(const float *in, int width, int height, const struct kernel *along,
+                        float *out) {
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             const float *row = in + (size_t)y * (size_t)width;
             float sum = 0.0f;
-            for (int k = -along_x->radius; k <= along_x->radius; k++)
-                sum += along_x->tap[k + along_x->radius] * row[border(x + k, width)];
-            scratch[(size_t)y * (size_t)width + (size_t)x] = sum;
+            for (int k = -along->radius; k <= along->radius; k++)
+                sum += along->tap[k + along->radius] * row[border(x + k, width)];
+            out[(size_t)y * (size_t)width + (size_t)x] = sum;
         }
+}
+
+// Adds `weight` times a plane whose columns are filtered to `out`.
+static void add_filtered_columns(const float *in, int width, int height, const struct kernel *along,
+                                 float weight, float *out) {
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             float sum = 0.0f;
-            for (int k = -along_y->radius; k <= along_y->radius; k++)
-                sum += along_y->tap[k + along_y->radius] *
-                       scratch[(size_t)border(y + k, height) * (size_t)width + (size_t)x];
+            for (int k = -along->radius; k <= along->radius; k++)
+                sum += along->tap[k + along->radius] *
+                       in[(size_t)border(y + k, height) * (size_t)width + (size_t)x];
             out[(size_t)y * (size_t)width + (size_t)x] += weight * sum;
         }
 }
@@ -175,9 +179,11 @@ static void filter_channel(const float *in, int width, int height, int channel, 
     const double one = s->a1 * sqrt(pi / s->b1) * sum1 * sum1,
                  two = s->a2 * sqrt(pi / s->b2) * sum2 * sum2;
     memset(out, 0, (size_t)width * (size_t)height * sizeof *out);
-    add_filtered(in, width, height, &first, &first, (float)(one / (one + two)), scratch, out);
-    if (two > 0.0)
-        add_filtered(in, width, height, &second, &second, (float)(two / (one + two)), scratch, out);
+    filter_rows(in, width, height, &first, scratch);
+    add_filtered_columns(scratch, width, height, &first, (float)(one / (one + two)), out);
+    if (!(two > 0.0)) return;
+    filter_rows(in, width, height, &second, scratch);
+    add_filtered_columns(scratch, width, height, &second, (float)(two / (one + two)), out);
 }
 
 // The kernels of features: a Gaussian of sum 1, and its first or second derivative, whose positive
@@ -210,8 +216,10 @@ static void feature_strength(const float *luminance, int width, int height,
     const size_t count = (size_t)width * (size_t)height;
     memset(scratch[1], 0, count * sizeof *out);
     memset(scratch[2], 0, count * sizeof *out);
-    add_filtered(luminance, width, height, derivative, gauss, 1.0f, scratch[0], scratch[1]);
-    add_filtered(luminance, width, height, gauss, derivative, 1.0f, scratch[0], scratch[2]);
+    filter_rows(luminance, width, height, derivative, scratch[0]);
+    add_filtered_columns(scratch[0], width, height, gauss, 1.0f, scratch[1]);
+    filter_rows(luminance, width, height, gauss, scratch[0]);
+    add_filtered_columns(scratch[0], width, height, derivative, 1.0f, scratch[2]);
     for (size_t i = 0; i < count; i++) out[i] = hypotf(scratch[1][i], scratch[2][i]);
 }
 

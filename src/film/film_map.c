@@ -73,7 +73,8 @@ satin_status film_write_map(const struct satin_film *film, const float *value, c
     unsigned char *pixel =
         film_map_pixels(value, (size_t)film->width * (size_t)film->height, &most);
     if (!pixel) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
-    const satin_status status = film_write_pixels(path, film->width, film->height, 3, pixel, log);
+    const satin_status status =
+        film_write_pixels(path, &(struct film_pixels){film->width, film->height, 3, pixel}, log);
     if (status == SATIN_OK) *top = most;
     free(pixel);
     return status;
@@ -94,7 +95,8 @@ satin_status film_write_dots(const struct satin_film *film, const float *dot, co
         rgb under = rgb_grey(fminf(grey, 1.0f) * (1.0f - cover));
         put_color(&pixel[3 * i], rgb_mad(under, DOT, cover));
     }
-    satin_status status = film_write_pixels(path, film->width, film->height, 3, pixel, log);
+    satin_status status =
+        film_write_pixels(path, &(struct film_pixels){film->width, film->height, 3, pixel}, log);
     free(pixel);
     return status;
 }

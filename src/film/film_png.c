@@ -38,20 +38,19 @@ static png_uint_32 png_format(int channels) {
     return channels == 1 ? PNG_FORMAT_GRAY : channels == 4 ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
 }
 
-satin_status film_encode_pixels(const char *name, int width, int height, int channels,
-                                const unsigned char *pixel, struct log log, void **data,
-                                size_t *size) {
-    png_image image = {
-        .width = (png_uint_32)width, .height = (png_uint_32)height, .format = png_format(channels)};
-    return encode(name, &image, pixel, log, data, size);
+satin_status film_encode_pixels(const char *name, const struct film_pixels *picture, struct log log,
+                                void **data, size_t *size) {
+    png_image image = {.width = (png_uint_32)picture->width,
+                       .height = (png_uint_32)picture->height,
+                       .format = png_format(picture->channels)};
+    return encode(name, &image, picture->pixel, log, data, size);
 }
 
-satin_status film_write_pixels(const char *path, int width, int height, int channels,
-                               const unsigned char *pixel, struct log log) {
+satin_status film_write_pixels(const char *path, const struct film_pixels *picture,
+                               struct log log) {
     void *file = NULL;
     size_t bytes = 0;
-    satin_status status =
-        film_encode_pixels(path, width, height, channels, pixel, log, &file, &bytes);
+    satin_status status = film_encode_pixels(path, picture, log, &file, &bytes);
     if (status == SATIN_OK) status = fileio_write(log, path, file, bytes);
     free(file);
     return status;
@@ -158,7 +157,8 @@ satin_status satin_film_write_png(const satin_film *film, const char *path,
     satin_status status;
     unsigned char *pixel = make_picture(film, path, tonemap, alpha, log, &status);
     if (pixel)
-        status = film_write_pixels(path, film->width, film->height, alpha ? 4 : 3, pixel, log);
+        status = film_write_pixels(
+            path, &(struct film_pixels){film->width, film->height, alpha ? 4 : 3, pixel}, log);
     free(pixel);
     return status;
 }

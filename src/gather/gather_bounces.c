@@ -143,7 +143,6 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
                              struct gather_estimate estimate) {
     const struct gather *g = v->g;
     const struct shading_point *y = v->y;
-    const struct interaction *s = &y->interaction;
     v->L = rgb_grey(0.0f);
     v->E = rgb_luminance(estimate.E);
     v->followed = 0;
@@ -178,8 +177,7 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
 
     const bool caustics = within_depth(g, v->segments, 2);
     if (known && caustics)
-        v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, s->p, y->ng, &y->frame, &y->brdf,
-                                            y->wo_l, known, PHOTON_ALONE));
+        v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, y, known, PHOTON_ALONE));
     if (diffuse && !estimate.reliable) E = caustics ? caustic_irradiance(path, v) : rgb_grey(0.0f);
     if (diffuse)
         v->L = rgb_add(v->L, diffuse_radiance(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE), E));
@@ -201,7 +199,7 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
     u_lobe /= branch.probability;
     if (branch.lobes == BRDF_DIFFUSE && path->cones)
         return gather_near_bounce(path->cones, y, v->E, u_lobe, u, out);
-    return brdf_sample_wi(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
+    return brdf_sample_wi(&y->brdf, y->wo_l, u_lobe, u, branch.lobes, BRDF_RADIANCE, out);
 }
 
 // Reads the estimate at the end z of a segment. First pass `recursive` has records instead.
@@ -212,8 +210,9 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
     float radius;
     int entry;
     rgb E;
-    photon_irradiance_many(g->maps, g->scene, 1, &z->y->interaction.p, &z->y->ng, z->segments, &E,
-                           &radius, &entry);
+    const struct photon_lookups one = {
+        1, &z->y->interaction.p, &z->y->ng, z->segments, &E, &radius, &entry};
+    photon_irradiance_many(g->maps, g->scene, &one);
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
     return (struct gather_estimate){within_depth(g, z->segments, 2) ? E : none.E,
                                     gather_is_reliable(g, radius, near),

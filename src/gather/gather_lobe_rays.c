@@ -23,8 +23,7 @@ static size_t draw_lobe_rays(const struct gather *g, const struct gather_site *s
         struct brdf_sample b;
         const vec2 uv = sampler_2d(&u);
         const float u_lobe = sampler_1d(&u);
-        if (!brdf_sample_wi(site->glossy, site->wo, u_lobe, uv.x, uv.y, BRDF_GLOSSY, BRDF_RADIANCE,
-                            &b) ||
+        if (!brdf_sample_wi(site->glossy, site->wo, u_lobe, uv, BRDF_GLOSSY, BRDF_RADIANCE, &b) ||
             !(b.wi.z > 0.0f))
             continue;
         const size_t at = h->count + drawn++;

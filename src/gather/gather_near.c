@@ -138,8 +138,8 @@ static float draw_both(const struct choices *at, float guided, const struct shad
         out->wi = frame_to_local(&y->frame, guide_cone_sample(&at->cone[own], u));
         out->lobe = lobes;
         if (!(out->wi.z * y->wo_l.z > 0.0f)) return 0.0f;
-    } else if (!brdf_sample_wi(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u.x, u.y,
-                               lobes, BRDF_RADIANCE, out)) {
+    } else if (!brdf_sample_wi(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u, lobes,
+                               BRDF_RADIANCE, out)) {
         return 0.0f;
     }
     const vec3 w = frame_to_world(&y->frame, out->wi);
@@ -158,8 +158,7 @@ bool gather_near_bounce(const struct gather_cones *cones, const struct shading_p
     struct choices at;
     move_cones(cones, y, BRDF_DIFFUSE, &at);
     if (at.count == 0)
-        return brdf_sample_wi(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE,
-                              out);
+        return brdf_sample_wi(&y->brdf, y->wo_l, u_lobe, u, BRDF_DIFFUSE, BRDF_RADIANCE, out);
     const float guided = fminf(at.all / (at.all + E), GUIDED);
     if (!(draw_both(&at, guided, y, BRDF_DIFFUSE, u_lobe, u, out) > 0.0f)) return false;
     out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
@@ -171,7 +170,7 @@ bool gather_near_sample(const struct gather_cones *cones, const struct shading_p
     struct choices at;
     move_cones(cones, p, lobes, &at);
     if (at.count == 0)
-        return brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, out);
+        return brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, u, lobes, BRDF_RADIANCE, out);
     float rest = E;
     if (lobes != BRDF_DIFFUSE) rest *= rgb_luminance(brdf_albedo(&p->brdf, p->wo_l, lobes));
     const float guided = fminf(at.all / (at.all + rest), GUIDED);

@@ -61,7 +61,7 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
     const unsigned lobes = rgb_black(walk->rest) ? BRDF_DELTA : BRDF_ALL;
-    if (!brdf_sample_wi(&from->brdf, from->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next))
+    if (!brdf_sample_wi(&from->brdf, from->wo_l, u_lobe, u, lobes, BRDF_RADIANCE, &next))
         return false;
     const vec3 d = frame_to_world(&from->frame, next.wi);
     leave_point(g, from, &next, d, walk);

@@ -27,8 +27,7 @@ static rgb density_irradiance(const struct gather *g, const struct shading_point
                               float *radius) {
     *radius = INFINITY;
     if (!(y->lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
-    rgb L = photon_radiance(g->maps, g->scene, y->interaction.p, y->ng, &y->frame, &y->brdf,
-                            y->wo_l, BRDF_DIFFUSE, radius);
+    rgb L = photon_radiance(g->maps, g->scene, y, BRDF_DIFFUSE, radius);
     rgb a = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
     return rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
                     a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
@@ -44,9 +43,9 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
         hits->entry[i] = -1;
         if (!precomputed) hits->E[i] = density_irradiance(g, y, &hits->radius[i]);
     }
-    if (precomputed)
-        photon_irradiance_many(g->maps, g->scene, count, hits->p, hits->n, 0, hits->E, hits->radius,
-                               hits->entry);
+    const struct photon_lookups lookups = {count,   hits->p,      hits->n,    0,
+                                           hits->E, hits->radius, hits->entry};
+    if (precomputed) photon_irradiance_many(g->maps, g->scene, &lookups);
 }
 
 // The rays of a lobe that hit within the disc of one lookup have its noise in common, which no

@@ -101,7 +101,7 @@ bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct 
         if (brdf_lobes(&b) & BRDF_SMOOTH) return true;
         float u = rng_float(rng);
         const vec3 wo_l = frame_to_local(&frame, wo);
-        if (!brdf_sample_wi(&b, wo_l, u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
+        if (!brdf_sample_wi(&b, wo_l, u, (vec2){0.5f, 0.5f}, BRDF_DELTA, BRDF_RADIANCE, &next))
             return false;
         light_chain_pass(chain, scene, s, wo, wo_l, &next);
         *ray = scene_spawn(scene, s->p, s->ng, frame_to_world(&frame, next.wi));

@@ -221,16 +221,18 @@ bool light_arrives(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
 }
 
 bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int panes,
-                struct interaction *hit, bool *environment, struct light_found *out) {
+                struct light_found *out) {
+    struct interaction *hit = &out->hit;
     struct ray ray = scene_spawn(scene, p, ng, d);
     struct pane_path path = pane_path_begin(scene, panes, d);
     bool met = scene_intersect(scene, &ray, hit);
     if (met && !pane_path_continue(&path, hit, &d, &met)) return false;
     if (met) light_chain_advance(&path.chain, hit->t);
-    *environment = !met;
     if (!met && scene->environment < 0) return false;
     const rgb L = light_chain_emitted(&path.chain, scene, met ? hit : NULL, d);
-    *out = (struct light_found){path.chain, rgb_mul(path.T, L)};
+    out->chain = path.chain;
+    out->L = rgb_mul(path.T, L);
+    out->environment = !met;
     return true;
 }
 

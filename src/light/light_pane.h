@@ -7,15 +7,9 @@
 #ifndef LIGHT_PANE_H
 #define LIGHT_PANE_H
 
-#include <stdbool.h>
+#include "scene/scene.h"
 
-#include "base/vec.h"
-
-struct brdf_sample;
 struct light_sample;
-struct ray;
-struct satin_scene;
-struct interaction;
 
 // A chain of specular surfaces from its start. Glass changes the distances by whose product light
 // falls off [Born and Wolf 1999, 4.6]: a bundle of rays spreads in the plane of incidence as after
@@ -55,14 +49,15 @@ bool light_arrives(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
                    struct light_sample *s);
 
 // The emitter that a ray from p in direction d hits, directly or through at most `panes` surfaces
-// of panes.
+// of panes. False, with *out undefined, if there is none.
 struct light_found {
     struct light_chain chain;
-    rgb L;  // arriving radiance
+    rgb L;                   // arriving radiance
+    bool environment;        // whether the emitter is the environment
+    struct interaction hit;  // on the emitter, if it is not
 };
-// *hit is set if true is returned and *environment is false.
 bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int panes,
-                struct interaction *hit, bool *environment, struct light_found *out);
+                struct light_found *out);
 
 // Whether a ray of light hits a specular surface other than a pane, which makes it a caustic.
 bool light_makes_caustic(const struct satin_scene *scene, struct ray ray);

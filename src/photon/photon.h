@@ -65,15 +65,23 @@ double photon_memory_bytes(const struct photon_memory *memory, const struct phot
 // orientation of n and is not behind a wall.
 rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                          vec3 n, float *radius, int *entry);
-// Looks up photon_irradiance_at for many points; arrays of `count`. *entry is the entry of the
-// point's surroundings, or -1 if none is as near as the spacing of the photons; `entry` may be
-// NULL. The points are those of paths from the eye with `segments` more than to the hit of a gather
-// ray: photons that have bounced so often that the whole path would be longer than max_depth are
-// left out. For `segments` over 1, their fraction of the light is assumed to be the same for each
-// bounce.
+// The points of many lookups, and their results: arrays of `count`, the caller's.
+struct photon_lookups {
+    size_t count;
+    const vec3 *p, *n;
+    // The points are those of paths from the eye with so many segments more than to the hit of a
+    // gather ray: photons that have bounced so often that the whole path would be longer than
+    // max_depth are left out. For more than one, their fraction of the light is assumed to be the
+    // same for each bounce.
+    int segments;
+    rgb *E;         // as photon_irradiance_at returns it
+    float *radius;  // likewise
+    int *entry;     // that of the point's surroundings, or -1 if none is as near as the spacing of
+                    // the photons; may be NULL
+};
+// Looks up photon_irradiance_at for many points.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, int segments, rgb *E,
-                            float *radius, int *entry);
+                            const struct photon_lookups *lookups);
 // The precomputed entries of irradiance: their number, and the position and unit normal of one.
 size_t photon_irradiance_count(const struct photon_maps *maps);
 void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n);
@@ -101,23 +109,21 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 // scene, and is not reliable.
 float photon_lookup_max(const struct photon_maps *maps);
 
-// The radiance reflected to wo (local) by the BRDF's smooth `lobes`, by a k-nearest density
-// estimate from the global map (of the classes it holds) or the caustic map. `frame` is the BRDF's;
-// ng is the geometric normal on wo's side. *radius is set to that of the estimate. It is INFINITY,
-// and the radiance is black, if the map has fewer photons than an estimate needs.
-rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                    vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
-                    unsigned lobes, float *radius);
+// The radiance that the smooth `lobes` of a point reflect to its viewer, by a k-nearest density
+// estimate from the global map (of the classes it holds) or the caustic map. *radius is set to that
+// of the estimate. It is INFINITY, and the radiance is black, if the map has fewer photons than an
+// estimate needs.
+rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene,
+                    const struct shading_point *point, unsigned lobes, float *radius);
 // Other light beside a caustic: the luminance L that the point reflects of it, and a random number
 // u in [0, 1) for skipping the lookup of caustics that are faint beside it. L 0: never skip it.
 struct photon_other_light {
     float L, u;
 };
 #define PHOTON_ALONE ((struct photon_other_light){0.0f, 0.0f})
-// The radiance of caustic photons that the smooth `lobes` reflect to wo; arguments as of
-// photon_radiance.
-rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
-                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
+// The radiance of caustic photons that the smooth `lobes` of a point reflect to its viewer.
+rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
+                   const struct shading_point *point, unsigned lobes,
                    struct photon_other_light other);
 
 // The irradiance from caustic photons, from the caustic map.

@@ -228,20 +228,20 @@ static rgb estimate(const struct photon_query *query, const struct photon_reflec
     return photon_disc_radiance(&disc, at);
 }
 
-rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                    vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
-                    unsigned lobes, float *radius) {
+rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene,
+                    const struct shading_point *point, unsigned lobes, float *radius) {
     *radius = INFINITY;
     if (maps->global.count == 0) return rgb_grey(0.0f);
     struct photon_query query = {&maps->global,
                                  scene,
-                                 p,
-                                 ng,
+                                 point->interaction.p,
+                                 point->ng,
                                  maps->photon_k,
                                  KERNEL_FLAT,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
                                  NULL};
-    const struct photon_reflection at = photon_reflection_make(frame, brdf, wo, lobes);
+    const struct photon_reflection at =
+        photon_reflection_make(&point->frame, &point->brdf, point->wo_l, lobes);
     return estimate(&query, &at, radius, NULL);
 }
 
@@ -293,10 +293,12 @@ static struct photon_query caustic_query(const struct photon_maps *maps,
                                  maps->caustic.radius2};
 }
 
-rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
-                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
+rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
+                   const struct shading_point *point, unsigned lobes,
                    struct photon_other_light other) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
+    const struct brdf *brdf = &point->brdf;
+    const vec3 p = point->interaction.p, ng = point->ng, wo = point->wo_l;
     rgb E, estimated;
     float radius;
     const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
@@ -308,7 +310,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other);
     if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_query query = caustic_query(maps, scene, p, ng);
-    const struct photon_reflection at = photon_reflection_make(frame, brdf, wo, lobes);
+    const struct photon_reflection at = photon_reflection_make(&point->frame, brdf, wo, lobes);
     const rgb L = rgb_scale(estimate(&query, &at, &radius, &estimated), 1.0f / chance);
     if (source != READ_ENTRY) return L;
     return rgb_make(L.r * smoothing_factor(E.r, estimated.r),

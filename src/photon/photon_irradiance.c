@@ -401,9 +401,10 @@ static void prefetch_entry(const struct photon_irradiance *r, int row) {
 }
 
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, int segments, rgb *E,
-                            float *radius, int *entry) {
+                            const struct photon_lookups *lookups) {
     const struct photon_irradiance *r = &maps->irradiance;
+    const size_t count = lookups->count;
+    const vec3 *p = lookups->p, *n = lookups->n;
     struct ray ray;
     float query[6 * IRRADIANCE_BATCH], distance2[IRRADIANCE_BATCH];
     int row[IRRADIANCE_BATCH];
@@ -424,10 +425,11 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
                 // If that entry is far, continuing paths is faster than a longer search.
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
-            E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
-                           fraction_within(r, row[i], segments));
-            radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
-            if (entry) entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
+            lookups->E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
+                                    fraction_within(r, row[i], lookups->segments));
+            lookups->radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
+            if (lookups->entry)
+                lookups->entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
         }
     }
 }
@@ -461,6 +463,7 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                          vec3 n, float *radius, int *entry) {
     rgb E;
-    photon_irradiance_many(maps, scene, 1, &p, &n, 0, &E, radius, entry);
+    const struct photon_lookups one = {1, &p, &n, 0, &E, radius, entry};
+    photon_irradiance_many(maps, scene, &one);
     return E;
 }

@@ -138,7 +138,8 @@ static bool scatter(const struct satin_scene *scene, const struct interaction *s
     if (!scene_brdf(scene, s, wi, &b, &frame)) return false;
     float u_lobe = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
     struct brdf_sample sample;
-    if (!brdf_sample_wi(&b, frame_to_local(&frame, wi), u_lobe, u, v, lobes, BRDF_POWER, &sample))
+    if (!brdf_sample_wi(&b, frame_to_local(&frame, wi), u_lobe, (vec2){u, v}, lobes, BRDF_POWER,
+                        &sample))
         return false;
     vec3 wo = frame_to_world(&frame, sample.wi);
     float in_s = fabsf(v3_dot(wi, frame.n)), in_g = fabsf(v3_dot(wi, s->ng)),

@@ -192,10 +192,12 @@ static void attach_instance(RTCDevice device, struct accel *accel, const struct 
 
 // Finds the shapes that are left out because they coincide with others. The caller frees the
 // result; NULL if there is no memory.
-static bool *find_hidden(const struct satin_scene *scene, uint32_t first, uint32_t count,
-                         uint32_t group, struct accel *accel) {
+static bool *find_hidden(const struct satin_scene *scene, struct accel_shapes shapes,
+                         struct accel *accel) {
+    const uint32_t first = shapes.first, count = shapes.count;
     bool *hidden = array_new((size_t)count + 1, sizeof *hidden);
-    if (!hidden || scene_coincide_find(scene, first, count, group, hidden, &accel->hidden_count)) {
+    if (!hidden ||
+        scene_coincide_find(scene, first, count, shapes.group, hidden, &accel->hidden_count)) {
         for (uint32_t i = count; hidden && i-- > 0;)
             if (hidden[i]) accel->hidden_first = first + i;
         return hidden;
@@ -206,11 +208,11 @@ static bool *find_hidden(const struct satin_scene *scene, uint32_t first, uint32
 
 // Sorts the shapes that are not hidden into geometries: meshes and curves first, then all quadrics,
 // then instances.
-static satin_status sort_shapes(const struct satin_scene *scene, uint32_t first, uint32_t count,
-                                uint32_t group, const bool *hidden, struct log log,
-                                struct accel *accel) {
+static satin_status sort_shapes(const struct satin_scene *scene, struct accel_shapes shapes,
+                                const bool *hidden, struct log log, struct accel *accel) {
+    const uint32_t first = shapes.first, end = first + shapes.count, group = shapes.group;
     uint32_t n = 0;
-    for (uint32_t i = first; i < first + count; i++) {
+    for (uint32_t i = first; i < end; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->group != group || shape->kind == SHAPE_INSTANCE || hidden[i - first]) continue;
         if (shape->kind == SHAPE_MESH) {
@@ -225,7 +227,7 @@ static satin_status sort_shapes(const struct satin_scene *scene, uint32_t first,
         }
     }
     accel->quadric_id = n++;
-    for (uint32_t i = first; i < first + count; i++) {
+    for (uint32_t i = first; i < end; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->group == group && shape->kind == SHAPE_INSTANCE && !hidden[i - first])
             accel->geometry_shape[n++] = i;
@@ -234,25 +236,26 @@ static satin_status sort_shapes(const struct satin_scene *scene, uint32_t first,
     return SATIN_OK;
 }
 
-static satin_status attach_all(const struct satin_scene *scene, uint32_t first, uint32_t count,
-                               uint32_t group, struct log log, struct accel *accel) {
+static satin_status attach_all(const struct satin_scene *scene, struct accel_shapes shapes,
+                               struct log log, struct accel *accel) {
+    const uint32_t count = shapes.count;
     accel->geometry_shape = array_new((size_t)count + 1, sizeof *accel->geometry_shape);
     accel->guard = array_new((size_t)count + 1, sizeof *accel->guard);
     accel->quadric = array_new(count, sizeof *accel->quadric);
-    bool *hidden = find_hidden(scene, first, count, group, accel);
+    bool *hidden = find_hidden(scene, shapes, accel);
     if (!accel->geometry_shape || !accel->guard || !accel->quadric || !hidden) {
         free(hidden);
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for %u shapes", count);
     }
-    satin_status status = sort_shapes(scene, first, count, group, hidden, log, accel);
+    satin_status status = sort_shapes(scene, shapes, hidden, log, accel);
     free(hidden);
     return status;
 }
 
-satin_status scene_accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
-                               uint32_t count, uint32_t group, const struct accel *groups,
+satin_status scene_accel_build(RTCDevice device, const struct satin_scene *scene,
+                               struct accel_shapes shapes, const struct accel *groups,
                                struct log log, struct accel *accel) {
-    satin_status status = attach_all(scene, first, count, group, log, accel);
+    satin_status status = attach_all(scene, shapes, log, accel);
     if (status != SATIN_OK) return status;
     accel->scene = rtcNewScene(device);
     if (!accel->scene) return scene_accel_status(device, log);

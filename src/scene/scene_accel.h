@@ -26,11 +26,14 @@ struct accel {
                                           // them
 };
 
-// Builds a structure over those of shapes `first` to `first + count - 1` that belong to `group` (0:
-// to none). The structures of the groups that have instances in it must be built before. On failure
-// *accel must be freed too.
-satin_status scene_accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
-                               uint32_t count, uint32_t group, const struct accel *groups,
+// The shapes `first` to `first + count - 1` that belong to `group` (0: to none).
+struct accel_shapes {
+    uint32_t first, count, group;
+};
+// Builds a structure over shapes. Those of the groups that have instances in it (`groups`) must be
+// built before. On failure *accel must be freed too.
+satin_status scene_accel_build(RTCDevice device, const struct satin_scene *scene,
+                               struct accel_shapes shapes, const struct accel *groups,
                                struct log log, struct accel *accel);
 void scene_accel_free(struct accel *accel);
 

@@ -38,8 +38,9 @@ static satin_status build_structures(struct trace *trace, struct satin_scene *sc
     trace->group_count = scene->group_count;
     for (uint32_t g = 0; g < scene->group_count; g++) {
         const struct shape_group *group = &scene->group[g];
-        satin_status status = scene_accel_build(trace->device, scene, group->first, group->count,
-                                                g + 1, NULL, log, &trace->group[g]);
+        const struct accel_shapes shapes = {group->first, group->count, g + 1};
+        satin_status status =
+            scene_accel_build(trace->device, scene, shapes, NULL, log, &trace->group[g]);
         if (status != SATIN_OK) return status;
     }
     for (uint32_t i = 0; i < scene->shape_count; i++) {
@@ -49,8 +50,8 @@ static satin_status build_structures(struct trace *trace, struct satin_scene *sc
         if (!bounds_of(&trace->group[shape->instance_of], &lo, &hi)) lo = hi = v3(0, 0, 0);
         scene_instance_bound(shape, lo, hi);
     }
-    return scene_accel_build(trace->device, scene, 0, scene->shape_count, 0, trace->group, log,
-                             &trace->top);
+    const struct accel_shapes top = {0, scene->shape_count, 0};
+    return scene_accel_build(trace->device, scene, top, trace->group, log, &trace->top);
 }
 
 static satin_status build_trace(struct trace *trace, struct satin_scene *scene, struct log log) {

@@ -64,8 +64,7 @@ static void add_photon_radiance(struct shade_job *job) {
     const struct gather *g = job->shade->g;
     const struct shading_point *p = &job->vertex->point;
     float radius;
-    rgb L = photon_radiance(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf,
-                            p->wo_l, BRDF_REFLECT, &radius);
+    rgb L = photon_radiance(g->maps, g->scene, p, BRDF_REFLECT, &radius);
     rgb *layer = &job->out->layer[SHADE_INDIRECT_DIFFUSE];
     *layer = rgb_fma(*layer, job->vertex->T, L);
 }

@@ -14,16 +14,14 @@ static rgb find_light(const struct shade_job *job, unsigned lobes, float ratio, 
     const rgb none = rgb_grey(0.0f);
     struct brdf_sample b;
     const vec2 uv = sampler_2d(&u);
-    if (!brdf_sample_wi(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
+    if (!brdf_sample_wi(&p->brdf, p->wo_l, sampler_1d(&u), uv, lobes, BRDF_RADIANCE, &b))
         return none;
     const vec3 d = frame_to_world(&p->frame, b.wi);
-    struct interaction hit;
-    bool sky;
     struct light_found found;
-    if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, gather_panes(g, 1), &hit,
-                    &sky, &found))
+    if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, gather_panes(g, 1), &found))
         return none;
-    const float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, sky ? NULL : &hit);
+    const struct interaction *hit = found.environment ? NULL : &found.hit;
+    const float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, hit);
     return rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf));
 }
 

@@ -124,7 +124,7 @@ static bool draw_sample(const struct shade_job *job, const struct lobe_sampling 
     const vec2 uv = sampler_2d(&u);
     const float u_lobe = sampler_1d(&u);
     if (!by->clusters)
-        return brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, by->lobes, BRDF_RADIANCE, out);
+        return brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, uv, by->lobes, BRDF_RADIANCE, out);
     return gather_single_sample(by->clusters, p, by->lobes, u_lobe, uv, out);
 }
 
@@ -247,6 +247,5 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const struct photon_other_light other = {added_luminance(job) - before, u_caustic};
     if (caustic)
         shade_add_uncached(job, SHADE_CAUSTIC,
-                           photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame,
-                                          &p->brdf, p->wo_l, caustic, other));
+                           photon_caustic(g->maps, g->scene, p, caustic, other));
 }

@@ -33,7 +33,7 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill
         struct gather_first first;
         float u_lobe = sampler_1d(&sampler);
         vec2 u = sampler_2d(&sampler);
-        if (!brdf_sample_wi(&p.brdf, p.wo_l, u_lobe, u.x, u.y, BRDF_SMOOTH, BRDF_RADIANCE, &next))
+        if (!brdf_sample_wi(&p.brdf, p.wo_l, u_lobe, u, BRDF_SMOOTH, BRDF_RADIANCE, &next))
             return false;
         struct ray ray = scene_spawn(g->scene, p.interaction.p, p.interaction.ng,
                                      frame_to_world(&p.frame, next.wi));

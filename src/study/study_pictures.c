@@ -53,8 +53,9 @@ static void shrink_film(const struct pictures *p, const satin_film *film, int pl
 static satin_status add_png(struct pictures *p, int channels) {
     void *data = NULL;
     size_t size = 0;
-    const satin_status status = film_encode_pixels("study.html", p->width, p->height, channels,
-                                                   p->pixel, p->report->log, &data, &size);
+    const struct film_pixels picture = {p->width, p->height, channels, p->pixel};
+    const satin_status status =
+        film_encode_pixels("study.html", &picture, p->report->log, &data, &size);
     if (status != SATIN_OK) return status;
     study_text_add(p->out, "\"data:image/png;base64,");
     study_text_base64(p->out, data, size);

@@ -80,7 +80,7 @@ static void use_surface(const satin_scene *scene, const struct interaction *s, v
     FUZZ_REQUIRE(v3_finite(s->p) && v3_finite(s->ng) && sound(light_emitted(scene, s, wo)));
     if (!scene_brdf(scene, s, wo, &brdf, &frame)) return;
     vec3 local = frame_to_local(&frame, wo);
-    if (brdf_sample_wi(&brdf, local, u[0], u[1], u[2], BRDF_ALL, BRDF_RADIANCE, &to))
+    if (brdf_sample_wi(&brdf, local, u[0], (vec2){u[1], u[2]}, BRDF_ALL, BRDF_RADIANCE, &to))
         FUZZ_REQUIRE(v3_finite(to.wi) && sound(to.weight) && to.pdf_w >= 0.0f);
     struct light_sample light;
     float p;

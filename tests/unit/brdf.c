@@ -50,7 +50,8 @@ struct sampled {
 static bool brdf_draw(const void *ctx, const float u[4], vec3 *w) {
     const struct sampled *s = ctx;
     struct brdf_sample out;
-    if (!brdf_sample_wi(s->b, s->wo, u[0], u[1], u[2], s->lobes, BRDF_RADIANCE, &out)) return false;
+    const vec2 u_wi = {u[1], u[2]};
+    if (!brdf_sample_wi(s->b, s->wo, u[0], u_wi, s->lobes, BRDF_RADIANCE, &out)) return false;
     *w = out.wi;
     return true;
 }
@@ -196,7 +197,7 @@ static void samples_carry_the_energy(void **state) {
             for (uint32_t j = 0; j < SAMPLES; j++) {
                 vec2 u = sample_sobol2(j, 11);
                 struct brdf_sample s;
-                if (!brdf_sample_wi(&b, wo, sample_sobol1(j, 12), u.x, u.y, lobes, BRDF_POWER, &s))
+                if (!brdf_sample_wi(&b, wo, sample_sobol1(j, 12), u, lobes, BRDF_POWER, &s))
                     continue;
                 check_sample(&b, cases + i, wo, lobes, &s);
                 sum += (double)s.weight.g / SAMPLES;
@@ -224,7 +225,7 @@ static double product_over(const struct brdf *b, enum brdf_mode mode, struct rng
     vec3 w = sample_uniform_sphere(rng_float(rng), rng_float(rng));
     struct brdf_sample s;
     float u = rng_float(rng), x = rng_float(rng), y = rng_float(rng);
-    if (!in_front(b, w) || !brdf_sample_wi(b, w, u, x, y, BRDF_ALL, mode, &s)) return 0.0;
+    if (!in_front(b, w) || !brdf_sample_wi(b, w, u, (vec2){x, y}, BRDF_ALL, mode, &s)) return 0.0;
     const vec3 start = axis[mode == BRDF_POWER], end = axis[mode != BRDF_POWER];
     float from = sqrf(1.0f + v3_dot(start, w)), to = sqrf(1.0f + v3_dot(end, s.wi));
     return (double)(4.0f * PI_F * fabsf(w.z) * from * to * s.weight.g);
@@ -326,7 +327,7 @@ static void ward_variants_differ_as_known(void **state) {
             for (uint32_t j = 0; j < 16384; j++) {
                 vec2 u = sample_sobol2(j, 3);
                 struct brdf_sample s;
-                if (brdf_sample_wi(&b, wo_at(deg[k], 0), 0, u.x, u.y, BRDF_ALL, BRDF_RADIANCE, &s))
+                if (brdf_sample_wi(&b, wo_at(deg[k], 0), 0, u, BRDF_ALL, BRDF_RADIANCE, &s))
                     sum += (double)s.weight.r / 16384;
             }
             assert_true(fabs(sum - want[variant][k]) < 0.006);
@@ -444,12 +445,11 @@ static void beams_see_no_sharper_lobes(void **state) {
             assert_true(brdf_eval(&wide, wo, wi, BRDF_GLOSSY).g ==
                         brdf_eval(&at[2], wo, wi, BRDF_GLOSSY).g);
             struct brdf_sample s, as;
-            const bool found =
-                brdf_sample_wi(&sharp, wo, 0.5f, 0.3f, 0.7f, BRDF_GLOSSY, BRDF_RADIANCE, &s);
-            assert_int_equal(found, brdf_sample_wi(&at[1], wo, 0.5f, 0.3f, 0.7f, BRDF_GLOSSY,
-                                                   BRDF_RADIANCE, &as));
-            assert_true(!found || (v3_dist2(s.wi, as.wi) < 1e-8f &&
-                                   fabsf(s.pdf_w - as.pdf_w) <= 1e-3f * as.pdf_w));
+            const vec2 u_wi = {.3f, .7f};
+            bool one = brdf_sample_wi(&sharp, wo, .5f, u_wi, BRDF_GLOSSY, BRDF_RADIANCE, &s);
+            bool two = brdf_sample_wi(&at[1], wo, .5f, u_wi, BRDF_GLOSSY, BRDF_RADIANCE, &as);
+            assert_true(one == two && (!one || (v3_dist2(s.wi, as.wi) < 1e-8f &&
+                                                fabsf(s.pdf_w - as.pdf_w) <= 1e-3f * as.pdf_w)));
         }
         assert_true(differ >= 4);
         arena_free(&arena);
@@ -467,12 +467,12 @@ static void unusual_input_does_no_harm(void **state) {
         struct brdf_sample s;
         const float extremes[2] = {0.0f, 0x1.fffffep-1f};
         assert_int_equal(brdf_lobes(&black), 0);
-        assert_false(brdf_sample_wi(&black, v3(0, 0, 1), 0, 0, 0, BRDF_ALL, BRDF_POWER, &s));
+        const vec2 zero = {0};
+        assert_false(brdf_sample_wi(&black, v3(0, 0, 1), 0, zero, BRDF_ALL, BRDF_POWER, &s));
         for (int k = 0; k < 32; k++) {
             vec3 wo = k & 16 ? v3(1, 0, 0) : k & 8 ? wo_at(89.999f, 2) : v3(0, 0, 1);
-            if (!brdf_sample_wi(&b, wo, extremes[k & 1], extremes[k / 2 & 1], extremes[k / 4 & 1],
-                                BRDF_ALL, BRDF_POWER, &s))
-                continue;
+            const vec2 u = {extremes[k / 2 & 1], extremes[k / 4 & 1]};
+            if (!brdf_sample_wi(&b, wo, extremes[k & 1], u, BRDF_ALL, BRDF_POWER, &s)) continue;
             assert_true(v3_finite(s.wi) && rgb_finite(s.weight) && isfinite(s.pdf_w));
         }
     }

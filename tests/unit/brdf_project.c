@@ -62,8 +62,8 @@ static void projection_agrees_with_a_grid(void **state) {
             double want[COUNT], error = 0.0;
             float got[COUNT] = {0};
             double norm = grid_projection(lobe + i, wo, basis, want);
-            double got_norm =
-                brdf_project_glossy(lobe + i, wo, false, basis, ORDER, 1, &rule, points, got);
+            const struct project_target target = {basis, ORDER, 1, false};
+            double got_norm = brdf_project_glossy(lobe + i, wo, target, &rule, points, got);
             for (int c = 0; c < COUNT; c++) error += pow((double)got[c] - want[c], 2);
             assert_true(sqrt(error / norm) < 1e-3);
             assert_true(fabs(got_norm / norm - 1.0) < 1e-3);
@@ -81,8 +81,10 @@ static void the_half_rule_gives_the_cosine_terms(void **state) {
     brdf_project_rule_make(&rule);
     float full[3 * COUNT] = {0}, half[3 * COUNT] = {0};
     vec3 wo = v3(0.6f, 0.0f, 0.8f);
-    double norm = brdf_project_glossy(&b, wo, false, RSH_HEMISPHERE, ORDER, 3, &rule, points, full);
-    double other = brdf_project_glossy(&b, wo, true, RSH_HEMISPHERE, ORDER, 3, &rule, points, half);
+    struct project_target target = {RSH_HEMISPHERE, ORDER, 3, false};
+    double norm = brdf_project_glossy(&b, wo, target, &rule, points, full);
+    target.half = true;
+    double other = brdf_project_glossy(&b, wo, target, &rule, points, half);
     assert_true(fabs(norm / other - 1.0) < 1e-5);
     for (int channel = 0; channel < 3; channel++)
         for (int l = 0; l < ORDER; l++)

@@ -85,8 +85,10 @@ static void orders_bound_what_is_reflected(void **state) {
                 test_brdf_table_build(&brdfs[i], basis ? SATIN_SH : SATIN_HSH, 14, 0.01f, 2);
             for (float degrees = 5; degrees < 60; degrees += 25) {
                 float c[196] = {0};
-                brdf_project_glossy(&brdfs[i], brdf_table_direction(degrees, 0), false,
-                                    basis ? RSH_SPHERE : RSH_HEMISPHERE, 14, 1, &rule, points, c);
+                const struct project_target target = {basis ? RSH_SPHERE : RSH_HEMISPHERE, 14, 1,
+                                                      false};
+                brdf_project_glossy(&brdfs[i], brdf_table_direction(degrees, 0), target, &rule,
+                                    points, c);
                 int n = brdf_table_order(table, brdf_table_direction(degrees, 0));
                 assert_true(n > 2 && reflected_error(c, n, 4000) < 1.06 * 0.01);
                 assert_true(reflected_error(c, n - 1, 4000) > 0.94 * 0.01);
@@ -122,7 +124,8 @@ static double lookup_error(const struct brdf *b, const struct brdf_table *table,
     if (!n) return 0.0;
     assert_int_equal(n, brdf_table_order(table, wo));
     brdf_project_rule_make(&rule);
-    double norm = brdf_project_glossy(b, wo, false, basis, n, channels, &rule, points, want);
+    const struct project_target target = {basis, n, channels, false};
+    double norm = brdf_project_glossy(b, wo, target, &rule, points, want);
     double error = 0.0;
     for (int i = 0; i < channels * n * n; i++) error += pow((double)(got[i] - want[i]), 2);
     return sqrt(error / norm);
@@ -176,7 +179,7 @@ static void constant_light_gives_the_albedo(void **state) {
         for (uint32_t i = 0; i < 16384; i++) {
             vec2 u = sample_sobol2(i, 7);
             struct brdf_sample s;
-            if (brdf_sample_wi(&b, wo, 0.5f, u.x, u.y, BRDF_GLOSSY, BRDF_RADIANCE, &s))
+            if (brdf_sample_wi(&b, wo, 0.5f, u, BRDF_GLOSSY, BRDF_RADIANCE, &s))
                 mean += (double)s.weight.g / 16384;
         }
         assert_true(brdf_table_lookup(table, wo, c) > 0);

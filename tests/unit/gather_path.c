@@ -44,7 +44,7 @@ static struct gather_path_mean by_brdf(const struct brdf *b, vec3 wo) {
     for (int i = 0; i < PATHS; i++) {
         struct brdf_sample s;
         float u = rng_float(&rng), x = rng_float(&rng), y = rng_float(&rng);
-        if (!brdf_sample_wi(b, wo, u, x, y, BRDF_ALL, BRDF_RADIANCE, &s)) continue;
+        if (!brdf_sample_wi(b, wo, u, (vec2){x, y}, BRDF_ALL, BRDF_RADIANCE, &s)) continue;
         sum += (double)s.weight.g;
         squares += (double)(s.weight.g * s.weight.g);
     }

@@ -144,10 +144,8 @@ static void panes_are_counted(void **state) {
         assert_true(arriving(&t.scene, up, 2 * plates - 1) < 0.0);
         // More than 32 surfaces count as a caustic in every query.
         assert_true((arriving(&t.scene, up, 64) > 0.0) == (plates <= 16));
-        struct interaction hit;
         struct light_found found;
-        bool sky;
-        assert_false(light_find(&t.scene, v3(0, 0, 0), up, up, 64, &hit, &sky, &found));
+        assert_false(light_find(&t.scene, v3(0, 0, 0), up, up, 64, &found));
         assert_true(light_makes_caustic(&t.scene, (struct ray){v3(0, 0, 0), 0.0f, up, INFINITY}) ==
                     (plates > 16));
         test_scene_free(&t);
@@ -170,22 +168,19 @@ static void distances_are_those_of_a_slab(void **state) {
     test_scene_finish(&t);
     for (int i = 0; i <= 7; i++) {
         const double a = (i + 0.5) * M_PI / 18.0, step = 1e-4;
-        struct interaction hit;
         struct light_found found;
-        bool sky;
-        assert_true(
-            light_find(&t.scene, v3(0, 0, 0), v3(0, 0, 1), inclined(a), 2, &hit, &sky, &found));
-        assert_true(!sky && hit.light == 0 && found.chain.crossed == 2);
+        assert_true(light_find(&t.scene, v3(0, 0, 0), v3(0, 0, 1), inclined(a), 2, &found));
+        assert_true(!found.environment && found.hit.light == 0 && found.chain.crossed == 2);
         // A bundle of rays that rotates by dphi about the axis is x dphi wide, one by da is cos a
         // dx.
         const double x = beside(a, 0.3),
                      dx = (beside(a + step, 0.3) - beside(a - step, 0.3)) / (2.0 * step);
-        assert_true(fabs((double)hit.p.x - x) < 1e-4);
+        assert_true(fabs((double)found.hit.p.x - x) < 1e-4);
         assert_true(fabs((double)found.chain.sagittal * sin(a) / x - 1.0) < 1e-4);
         assert_true(fabs((double)found.chain.tangential / (cos(a) * dx) - 1.0) < 1e-4);
         // The other density is that of a point from which the lamp's point lies along the ray.
-        const vec3 from = light_chain_beside(&found.chain, v3(0, 0, 0), hit.p);
-        const vec3 d = v3_unit(v3_sub(hit.p, from));
+        const vec3 from = light_chain_beside(&found.chain, v3(0, 0, 0), found.hit.p);
+        const vec3 d = v3_unit(v3_sub(found.hit.p, from));
         assert_true(v3_dist2(d, inclined(a)) < 1e-10f);
     }
     test_scene_free(&t);
@@ -234,16 +229,15 @@ static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
         if (!light_sample_wi(scene, 0, p, u, v, &s) || !light_arrives(scene, p, up, 8, &s))
             continue;
         sum += (double)(s.L.g * s.wi.z / s.pdf_w);
-        struct interaction hit;
         struct light_found found;
-        bool sky;
-        if (!light_find(scene, p, up, s.wi, 8, &hit, &sky, &found) || sky) {
+        if (!light_find(scene, p, up, s.wi, 8, &found) || found.environment) {
             ++*wrong;
             continue;
         }
-        const vec3 from = light_chain_beside(&found.chain, p, hit.p);
-        const float reported = light_chain_density(&found.chain, sqrtf(v3_dist2(from, hit.p))) *
-                               light_pdf(scene, from, s.wi, &hit);
+        const vec3 from = light_chain_beside(&found.chain, p, found.hit.p);
+        const float reported =
+            light_chain_density(&found.chain, sqrtf(v3_dist2(from, found.hit.p))) *
+            light_pdf(scene, from, s.wi, &found.hit);
         *wrong += !(fabsf(reported - s.pdf_w) < 1e-2f * s.pdf_w);
     }
     return sum / (LIGHT_SIDE * LIGHT_SIDE);
@@ -259,10 +253,8 @@ static double by_directions(const struct satin_scene *scene, vec3 p, int side) {
         const float x = width * ((float)(i % side) + rng_float(&rng)) - 0.8f - p.x;
         const float y = width * ((float)(i / side) + rng_float(&rng)) - 0.8f - p.y;
         const vec3 d = v3_unit(v3(x, y, 1));
-        struct interaction hit;
         struct light_found found;
-        bool sky;
-        if (!light_find(scene, p, v3(0, 0, 1), d, 8, &hit, &sky, &found) || sky) continue;
+        if (!light_find(scene, p, v3(0, 0, 1), d, 8, &found) || found.environment) continue;
         sum += (double)(found.L.g * powf(d.z, 4.0f) * width * width);
     }
     return sum;

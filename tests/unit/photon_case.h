@@ -13,4 +13,11 @@ static inline satin_status photon_case_build(const struct satin_scene *scene,
     return photon_maps_build(&request, pool, (struct log){0}, stats, out);
 }
 
+// A point with this BRDF, for which `frame` is around the geometric normal; wo is local.
+static inline struct shading_point photon_case_point(vec3 p, const struct frame *frame,
+                                                     const struct brdf *brdf, vec3 wo) {
+    return (struct shading_point){
+        .interaction.p = p, .brdf = *brdf, .frame = *frame, .wo_l = wo, .ng = frame->n};
+}
+
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "photon/photon_map.h"
+#include "photon_case.h"
 #include "test_scene.h"
 
 enum { PHOTONS = 60000, K = 60 };
@@ -174,8 +175,8 @@ static double glossy_noise(const struct photon_maps *maps, const struct satin_sc
     double sum = 0.0, square = 0.0;
     for (int i = 0; i < POINTS; i++) {
         const float x = 1.6f * rng_float(&rng) - .8f, y = 1.6f * rng_float(&rng) - .8f;
-        const rgb L = photon_caustic(maps, scene, v3(x, y, 0), up, &frame, brdf, wo,
-                                     BRDF_DIFFUSE | BRDF_GLOSSY, PHOTON_ALONE);
+        const struct shading_point at = photon_case_point(v3(x, y, 0), &frame, brdf, wo);
+        const rgb L = photon_caustic(maps, scene, &at, BRDF_DIFFUSE | BRDF_GLOSSY, PHOTON_ALONE);
         sum += (double)L.g;
         square += (double)L.g * (double)L.g;
     }

@@ -7,6 +7,7 @@
 
 #include "base/sampling.h"
 #include "photon/photon_map.h"
+#include "photon_case.h"
 #include "test_scene.h"
 
 enum { K = 60, POINTS = 1 << 17 };
@@ -61,11 +62,10 @@ static void photon_density_integrate(const struct test_scene *t, const struct ph
         const double area = 4.0 * M_PI * (double)(r * u.x) / POINTS;
         const struct photon_other_light other[2] = {PHOTON_ALONE, {100.0f, chance.x}};
         power[0] += area * (double)photon_caustic_irradiance(maps, &t->scene, p, up, other[1]).g;
+        const struct shading_point at = photon_case_point(p, &frame, white, up);
         for (int k = 0; k < 2; k++)
             power[k + 1] += area * M_PI *
-                            (double)photon_caustic(maps, &t->scene, p, up, &frame, white, up,
-                                                   BRDF_DIFFUSE, other[k])
-                                .g;
+                            (double)photon_caustic(maps, &t->scene, &at, BRDF_DIFFUSE, other[k]).g;
     }
 }
 
