@@ -3,9 +3,11 @@
 #ifndef BASE_MEDIAN_SPLIT_H
 #define BASE_MEDIAN_SPLIT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/parallel.h"
 #include "base/vec.h"
 
 struct split_point {
@@ -27,5 +29,9 @@ struct split_plane {
 // the others are above it or on it; apart from that one, points on the plane may be on either side.
 // count >= 1. The order depends on the points alone. Threads may split different points at once.
 struct split_plane median_split(struct split_point *points, size_t count);
+// Reorders as median_split does, on all threads. `scratch` has 2 * count entries. False if the pool
+// was cancelled: then the points are in any order, or lost.
+bool median_split_parallel(struct split_point *points, size_t count, uint32_t *scratch,
+                           struct parallel *pool);
 
 #endif

@@ -16,6 +16,7 @@ enum {
     // with all nodes of a depth at once.
     RUN_PHOTONS = 2048,
     TASK_LEAVES = 128,
+    FEW_RUNS = 2,  // up to so many runs are split by all threads together, more by one thread each
     CLUSTER_CHUNK = 4096
 };
 
@@ -71,6 +72,7 @@ struct leaf_run {
 struct tree_building {
     const struct guide_photon *photon;
     struct split_point *point;
+    uint32_t *scratch;  // for splits by all threads
     struct leaf_run *run;
     struct leaf *leaf;
     struct task *task;  // of the current depth
@@ -90,6 +92,15 @@ static void split_runs(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) median_split(b->point + b->run[i].begin, b->run[i].count);
 }
 
+// Splits each run at its median. False if the pool was cancelled.
+static bool split_all_runs(struct tree_building *b, size_t runs, struct parallel *pool) {
+    if (runs > FEW_RUNS) return parallel_for(pool, runs, 1, split_runs, b);
+    bool whole = true;
+    for (const struct leaf_run *run = b->run; run < b->run + runs && whole; run++)
+        whole = median_split_parallel(b->point + run->begin, run->count, b->scratch, pool);
+    return whole;
+}
+
 static void make_leaves_of_runs(void *ctx, size_t begin, size_t end, int worker) {
     const struct tree_building *b = ctx;
     (void)worker;
@@ -104,7 +115,7 @@ static size_t make_all_leaves(struct tree_building *b, size_t count, struct para
     b->run[0] = (struct leaf_run){.count = count};
     bool whole = parallel_for(pool, count, CLUSTER_CHUNK, set_points, b);
     for (; whole && b->run[runs - 1].count > RUN_PHOTONS; runs *= 2) {  // the first is the largest
-        whole = parallel_for(pool, runs, 1, split_runs, b);
+        whole = split_all_runs(b, runs, pool);
         for (size_t i = runs; i-- > 0;) {
             const struct leaf_run run = b->run[i];
             const size_t left = run.count / 2;
@@ -309,12 +320,14 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
     struct guide_clusters *clusters = calloc(1, sizeof *clusters);
     struct tree_building b = {.photon = photon, .out = clusters};
     b.point = array_new_unset(count, sizeof *b.point);
+    b.scratch = array_new_unset(2 * count, sizeof *b.scratch);
     b.leaf = array_new_unset(2 * count / LEAF + 1, sizeof *b.leaf);
     b.run = array_new(2 * count / RUN_PHOTONS + 2, sizeof *b.run);
     satin_status status = SATIN_ERROR_MEMORY;
-    if (clusters && b.point && b.leaf && b.run) status = make_tree(&b, count, pool);
+    if (clusters && b.point && b.scratch && b.leaf && b.run) status = make_tree(&b, count, pool);
     free(b.run);
     free(b.leaf);
+    free(b.scratch);
     free(b.point);
     if (status == SATIN_OK) {
         clusters->uniform = clusters->node->power / (4.0f * PI_F * sqrf(scene->radius));

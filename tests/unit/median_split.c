@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -69,8 +70,35 @@ static void points_at_one_position_are_harmless(void **state) {
     assert_true(median_split(point, 9).at == v3_dot(median_split(point, 9).n, point->p));
 }
 
+// Random points, and points of which many have the same key.
+static void threads_do_not_change_a_split(void **state) {
+    (void)state;
+    static const size_t counts[] = {1, 2, 9000, 40000, 131072, 250001};
+    struct parallel *pool = parallel_new(3);
+    for (size_t k = 0; k < 2 * sizeof counts / sizeof *counts; k++) {
+        const size_t count = counts[k / 2];
+        struct split_point *one = calloc(count, sizeof *one), *all = calloc(count, sizeof *all);
+        uint32_t *scratch = calloc(2 * count, sizeof *scratch);
+        for (size_t i = 0; i < count; i++) {
+            const float x = sample_sobol1((uint32_t)i, 1);
+            const vec2 u = sample_sobol2((uint32_t)i, 2);
+            median_split_put(one, i, v3(k & 1 ? 3.0f * floorf(8.0f * x) : 3.0f * x, u.x, u.y));
+            if (k & 1) one[i].p.y = one[i].p.z = 0.0f;
+            all[i] = one[i];
+        }
+        median_split(one, count);
+        assert_true(median_split_parallel(all, count, scratch, pool));
+        assert_memory_equal(one, all, count * sizeof *one);
+        free(scratch);
+        free(all);
+        free(one);
+    }
+    parallel_free(pool);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(threads_do_not_change_a_split),
         cmocka_unit_test(halves_of_a_split_are_apart),
         cmocka_unit_test(walls_are_cut_into_pieces),
         cmocka_unit_test(points_at_one_position_are_harmless),
