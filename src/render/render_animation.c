@@ -137,8 +137,7 @@ double render_frames_left(const struct render *r, double left, double elapsed) {
 static satin_status find_job(struct render *r) {
     char *identity = render_identity(r);
     if (!identity) return SATIN_ERROR_MEMORY;
-    const uint64_t motion = r->callbacks.animation->motion;
-    uint64_t hash = motion ? fileio_hash(FILEIO_HASH, &motion, sizeof motion) : FILEIO_HASH;
+    uint64_t hash = FILEIO_HASH;
     struct identity_word word;
     for (const char *at = identity; render_identity_next(&at, &word);) {
         const bool records = word.name == 7 && strncmp(word.at, "records", 7) == 0;

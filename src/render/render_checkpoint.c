@@ -44,6 +44,8 @@ char *render_identity(const struct render *r) {
     fprintf(out, "version=%s scene=%016llx records=%016llx ", SATIN_VERSION,
             (unsigned long long)r->scene.hash, (unsigned long long)records);
     if (r->frames.view) fprintf(out, "views=%016llx ", (unsigned long long)render_views_hash(r));
+    const satin_animation *a = r->callbacks.animation;
+    if (a && a->motion) fprintf(out, "motion=%016llx ", (unsigned long long)a->motion);
     options_print_words(out, &r->options, affects_image);
     if (fclose(out) == 0) return text;
     free(text);
