@@ -3,14 +3,14 @@
 glossy reflection by the BRDF, in still images and in the frames of a camera path.
 
 Times are CPU seconds of all threads, which other processes hardly change. Each view is rendered
-three times with one sample per pixel: with radiance records, with glossy rays instead, and with
-direct light alone. The radiance records then take
+with one sample per pixel: with radiance records, with glossy rays instead, and with direct light
+alone. Radiance records then take
 
-    filling        records of the first render - records of the second, which are irradiance alone
-    interpolation  image of the first render - image of the third
+    filling        the seconds of all records, times the fraction of gather rays that are theirs
+    interpolation  the seconds of the image, less those of the image of direct light
 
-where the last includes the interpolation of irradiance, and that of glossy rays is the image of the
-second render less that of the third, so that the same is in both.
+where the last includes the interpolation of irradiance. What glossy rays take is the seconds of
+their image, less those of the image of direct light, so the same is in both.
 """
 import dataclasses
 import json
@@ -35,12 +35,12 @@ def sets(*options):
     return [part for option in options for part in ("--set", option)]
 
 
-def parser(doc, size, frames, every, rays):
+def parser(doc, size, frames, images, rays):
     p = runs.parser(doc)
     p.add_argument("--size", default=size, help="WIDTHxHEIGHT")
     p.add_argument("--frames", type=int, default=frames, help="of the animation")
-    p.add_argument("--every", type=int, default=every,
-                   help="render the image of each such frame; the others are taken to cost as much")
+    p.add_argument("--images", type=int, default=images,
+                   help="of the animation, at least 3; the other frames are taken to cost as much")
     p.add_argument("--rays", type=int, default=rays, help="gather rays of a radiance record")
     return p
 
@@ -48,19 +48,16 @@ def parser(doc, size, frames, every, rays):
 @dataclasses.dataclass
 class Cost:
     """CPU seconds of a render, and its records."""
-    records: float
+    filling: float  # of radiance records
     image: float
     total: float
-    made: int  # radiance records
+    made: int       # radiance records
     file: str
 
-    @classmethod
-    def of(cls, image, stats):
-        def seconds(parts):
-            return sum(stats.get(f"parts.{part}.{kind}_s", 0.0) for part in parts
-                       for kind in ("serial", "parallel"))
-        return cls(seconds(RECORDS), seconds(IMAGE), stats["time.cpu_s"],
-                   round(stats.get("records.radiance", 0)), image)
+
+def seconds(stats, parts):
+    return sum(stats.get(f"parts.{part}.{kind}_s", 0.0) for part in parts
+               for kind in ("serial", "parallel"))
 
 
 class Views:
@@ -69,19 +66,21 @@ class Views:
     def __init__(self, options, scene, *settings):
         self.options, self.scene = options, runs.scene_file("figures", scene)
         width, height = options.size.split("x")
-        self.known = {}  # radiance records in the files that were written, by name
+        self.known = {}  # radiance records and rays of the files that were written, by name
         self.args = ["--width", width, "--height", height, "--spp", "1", "-D", "filter=box",
                      *sets(*THESIS, f"radiance-rays={options.rays}", *settings)]
 
     def render(self, name, *args, frame=None):
         image, stats = runs.render(self.options, self.scene, name, *self.args, *args, frame=frame)
-        cost = Cost.of(image, stats)
         loaded = args[args.index("--load-cache") + 1] if "--load-cache" in args else None
-        cost.made -= self.known.get(loaded, 0)
+        known = self.known.get(loaded, (0, 0))
+        records, rays = round(stats.get("records.radiance", 0)), stats.get("records.rays", 0)
+        made = records - known[0]
+        theirs = made * self.options.rays / (rays - known[1]) if made else 0.0
         if "--save-cache" in args:
-            saved = args[args.index("--save-cache") + 1]
-            self.known[saved] = round(stats.get("records.radiance", 0))
-        return cost
+            self.known[args[args.index("--save-cache") + 1]] = (records, rays)
+        return Cost(min(theirs, 1.0) * seconds(stats, RECORDS), seconds(stats, IMAGE),
+                    stats["time.cpu_s"], made, image)
 
     def error(self, cost, reference):
         """relMSE of indirect gloss against that of another render."""
@@ -89,9 +88,9 @@ class Views:
                                     "--layer", "indirect_glossy", "--json"]))["relmse"]
 
 
-def keyframes(path):
-    """The keyframes of a camera path."""
-    with open(path, "rb") as file:
+def keyframes(scene):
+    """The keyframes of a scene's camera path."""
+    with open(runs.scene_file("figures", scene).replace(".xml", ".toml"), "rb") as file:
         return tomllib.load(file)["keyframe"]
 
 
@@ -104,11 +103,11 @@ def write_view(options, key):
     return name
 
 
-def write_walk(options, scene):
-    """The path of a scene with as many frames as the options ask for: its name."""
-    name = os.path.join(options.dir, scene + ".toml")
-    keys = keyframes(runs.scene_file("figures", scene).replace(".xml", ".toml"))
-    scale = (options.frames - 1) / (keys[-1]["frame"] - 1)
+def write_walk(options, scene, frames):
+    """The path of a scene with so many frames: its name."""
+    name = os.path.join(options.dir, f"{scene}-{frames}.toml")
+    keys = keyframes(scene)
+    scale = (frames - 1) / (keys[-1]["frame"] - 1)
     with open(name, "w", encoding="utf-8") as file:
         for key in keys:
             file.write(f"[[keyframe]]\nframe = {1 + round((key['frame'] - 1) * scale)}\n"
@@ -139,7 +138,7 @@ def measure_still(views, name, path, guess, reference, common=""):
     before with that name are there already."""
     def render(label, *settings):
         file = os.path.join(views.options.dir, f"{common or name}-{label}.cache")
-        load = ["--load-cache", file] if file in views.known else []
+        load = ["--load-cache", file] if file in views.known and common else []
         return views.render(f"{name}-{label}", "--animation", path, *load, "--save-cache", file,
                             *sets(*settings), frame=1)
 
@@ -149,11 +148,14 @@ def measure_still(views, name, path, guess, reference, common=""):
     records = render("records")
     direct = views.render(f"{name}-direct", "--animation", path, *sets("max-depth=2"), frame=1)
     rays = by_rays(guess)
-    filling = max(records.records - rays.records, 0.0)
+    filling = records.filling
     interpolation = records.image - direct.image
-    count = (filling + interpolation) / (rays.image - direct.image) * guess
-    count = min(max(round(count), 1), reference)
-    rays, truth = by_rays(count, "same"), by_rays(reference, "reference")
+    count = guess
+    for _ in range(2):  # the seconds of rays are not in proportion to their number
+        count *= (filling + interpolation) / (rays.image - direct.image)
+        count = min(max(round(count), 1), reference)
+        rays = by_rays(count, "same")
+    truth = by_rays(reference, "reference")
     return Still(records.made, filling, interpolation, records.total, count,
                  rays.image - direct.image, views.error(records, truth), views.error(rays, truth))
 
@@ -172,28 +174,30 @@ class Frames:
         return self.filling + self.interpolation
 
 
-def measure_frames(views, name, path, count):
-    """The frames of a path, with `count` glossy rays per point in those without records."""
+def measure_frames(views, name, scene, count):
+    """The frames of a scene's path, with `count` glossy rays per point in those without records.
+    The records of all frames are made, but only some of the images."""
     options = views.options
-    numbers = range(1, options.frames + 1, options.every)
+    images, step = options.images, (options.frames - 1) / max(options.images - 1, 1)
+    path = write_walk(options, scene, options.frames)
+    file = os.path.join(options.dir, f"{name}-walk.cache")
+    with_records = []
+    for i in range(images):
+        use = ["--load-cache", file] if i else ["--save-cache", file]
+        with_records.append(views.render(f"{name}-walk", "--animation", path, *use,
+                                         frame=1 + round(i * step)))
+    # The others need no records of other frames, so their path has these frames alone.
+    path = write_walk(options, scene, images)
 
-    def render(label, *settings):
-        """The records of all frames, and the mean seconds of the images that are rendered."""
-        file = os.path.join(options.dir, f"{name}-{label}.cache")
-        costs = []
-        for number in numbers:
-            load = ["--load-cache", file] if costs else ["--save-cache", file]
-            costs.append(views.render(f"{name}-{label}", "--animation", path, *load,
-                                      *sets(*settings), frame=number))
-        return costs[0], sum(cost.image for cost in costs) / len(costs)
+    def mean_image(label, *settings):
+        return sum(views.render(f"{name}-{label}", "--animation", path, *sets(*settings),
+                                frame=1 + i).image for i in range(images)) / images
 
-    records, image = render("walk")
-    irradiance, rays = render("walk-rays", "radiance-cache=off", f"glossy-samples={count}")
-    direct = [views.render(f"{name}-walk-direct", "--animation", path, *sets("max-depth=2"),
-                           frame=number).image for number in numbers]
-    base = sum(direct) / len(direct)
-    filling = (records.records - irradiance.records) / options.frames
-    return Frames(records.made, filling, image - base, rays - base, len(numbers))
+    base = mean_image("walk-direct", "max-depth=2")
+    rays = mean_image("walk-rays", "radiance-cache=off", f"glossy-samples={count}") - base
+    image = sum(cost.image for cost in with_records) / images - base
+    return Frames(with_records[0].made, with_records[0].filling / options.frames, image, rays,
+                  images)
 
 
 def still_rows(found):
@@ -218,6 +222,15 @@ def frame_rows(found, count, thesis):
              ("times as long as the records", f"{found.rays / found.seconds:.1f}"),
              ("frames whose image was rendered", f"{found.rendered}")]
     return [[name, printed, cell] for (name, cell), printed in zip(cells, [*thesis, ""])]
+
+
+def print_stills(names, thesis, found):
+    """A table of views by their names, with the first rows of each as the thesis has them."""
+    head = [""] + [cell for name in names for cell in (f"{name}, thesis", "satin")]
+    rows = still_rows(found)
+    print_rows(head, [[name] + [cell for printed, own in zip(thesis, cells)
+                                for cell in ((printed + 2 * [""])[i], own)]
+                      for i, (name, cells) in enumerate(rows)])
 
 
 def print_rows(head, rows):

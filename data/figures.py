@@ -104,6 +104,44 @@ def teapot_meshes():
             "teapot-handle.ply": sweep(handle, 16, 5)}
 
 
+def flamingo():
+    metal = plugin("bsdf", "phong", rgb("diffuse_reflectance", 0.05, 0.03, 0.03),
+                   rgb("specular_reflectance", 0.8, 0.62, 0.55), real("exponent", 7), id="metal")
+    return scene("A flamingo of metal (Phong, exponent 7) in a room of coloured walls; "
+                 "flamingo.toml walks around it.",
+                 sensor((1.2, 1.3, 3), (0, 0.95, 0), 45), metal,
+                 plugin("bsdf", "twosided", ref("metal"), id="both"), WHITE,
+                 diffuse("floor", 0.5, 0.42, 0.32), diffuse("blue", 0.15, 0.25, 0.5),
+                 diffuse("rust", 0.55, 0.25, 0.12), diffuse("leaf", 0.2, 0.42, 0.16),
+                 rectangle("+y", (0, 0, 0), (3, 3), ref("floor")),
+                 rectangle("-y", (0, 3, 0), (3, 3), ref("white")),
+                 rectangle("+z", (0, 1.5, -3), (3, 1.5), ref("leaf")),
+                 rectangle("-z", (0, 1.5, 3.5), (3, 1.5), ref("white")),
+                 rectangle("+x", (-3, 1.5, 0), (3.5, 1.5), ref("rust")),
+                 rectangle("-x", (3, 1.5, 0), (3.5, 1.5), ref("blue")),
+                 box((-1.1, 0.25, -1.2), (0.4, 0.25, 0.4), 25, ref("white")),
+                 mesh("flamingo-body.ply", ref("both")),
+                 *[mesh("flamingo-leg.ply", to_world(translate(-0.02, 0, z)), ref("both"))
+                   for z in (-0.08, 0.08)],
+                 rectangle("-y", (-0.6, 2.99, 0.8), (0.6, 0.6), ref("white"),
+                           area_light(16, 15, 13)), depth=6)
+
+
+def flamingo_meshes():
+    body = [(-0.62, 0.62, 0.004), (-0.52, 0.7, 0.05), (-0.35, 0.79, 0.14), (-0.12, 0.84, 0.2),
+            (0.1, 0.86, 0.19), (0.26, 0.92, 0.12), (0.36, 1.05, 0.065), (0.38, 1.2, 0.048),
+            (0.31, 1.34, 0.042), (0.21, 1.47, 0.04), (0.19, 1.6, 0.042), (0.27, 1.71, 0.05),
+            (0.38, 1.72, 0.06), (0.47, 1.66, 0.045), (0.52, 1.58, 0.026), (0.53, 1.51, 0.004)]
+    leg = [(0, 0.7, 0.045), (0.03, 0.5, 0.022), (-0.01, 0.36, 0.026), (0.02, 0.2, 0.018),
+           (0.02, 0.02, 0.02), (0.06, 0.012, 0.012)]
+    return {"flamingo-body.ply": sweep(body, 48, 6), "flamingo-leg.ply": sweep(leg, 16, 4)}
+
+
+def flamingo_path():
+    return camera_path("280 frames around flamingo.xml.", (1, (2.3, 1.6, 2.9), (0, 0.9, 0)),
+                       (140, (0.5, 1.3, 1.7), (0.05, 1, 0)), (280, (-1.5, 1.1, 1.4), (0, 1.1, 0)))
+
+
 def hall():
     sheets = plugin("bsdf", "twosided", metal("metal"), id="sheets")
     steps = [box((0.6, 0.15 * (i + 0.5), 1.2 - 0.5 * i), (2.6, 0.15 * (i + 0.5), 0.25), 0,
@@ -170,9 +208,11 @@ def ward_floor():
 def files():
     """Every file of scenes/figures as {path: bytes}."""
     scenes = {"cornell": cornell(), "box-pyramid": box_pyramid(), "teapot": teapot(),
-              "hall": hall(), "ward-floor": ward_floor(), "steps": steps()}
+              "flamingo": flamingo(), "hall": hall(), "ward-floor": ward_floor(), "steps": steps()}
     out = {f"{name}.xml": text.encode() for name, text in scenes.items()}
     out["cornell.toml"] = cornell_path().encode()
+    out["flamingo.toml"] = flamingo_path().encode()
+    out.update(flamingo_meshes())
     out["pyramid.ply"] = pyramid_mesh()
     out.update(teapot_meshes())
     out.update(hall_meshes())
