@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Animations: many images of one scene, of different views, which are made with the
-// same photons and cache records. The records of all views are made first. Then the images are
-// sampled, one after the other, and none of them changes what another one reads: the image of a
-// frame depends on all views, but not on which frames are rendered, nor on their order.
+// Animations: many images of one scene, of different views, which are made with the same photons
+// and cache records. The records of all views are made first. Then the images are sampled, one
+// after the other, and none of them changes what another one reads: the image of a frame depends on
+// all views, but not on which frames are rendered, nor on their order.
 #ifndef SATIN_ANIMATION_H
 #define SATIN_ANIMATION_H
 

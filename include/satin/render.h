@@ -22,14 +22,14 @@ extern "C" {
 //   image             samples of the pixels
 //   denoising         if options->denoise asks for it
 // `done` is the fraction of the stage in [0, 1]; of the image, that of its time if options->time
-// ends it. `rate` is the number of items of the stage per
-// second, and `unit` their name; they are 0 and "" if items are not counted. `elapsed` is in
-// seconds since the render began. `left` is the number of seconds until the whole render ends: by
-// the speed of the image so far, but at most what is left of options->time, from which it is known
-// in all stages. It does not include denoising after an image without a time limit. Negative: not
-// known, since the cost of a later stage is not. Of an animation, `frame` is the number of images
-// that were begun, of `frames`, and `left` includes all of them; else both are 0. Texts are static,
-// and a stage has the same pointer in all calls; the struct is valid during the call.
+// ends it. `rate` is the number of items of the stage per second, and `unit` their name; they are 0
+// and "" if items are not counted. `elapsed` is in seconds since the render began. `left` is the
+// number of seconds until the whole render ends: by the speed of the image so far, but at most what
+// is left of options->time, from which it is known in all stages. It does not include denoising
+// after an image without a time limit. Negative: not known, since the cost of a later stage is not.
+// Of an animation, `frame` is the number of images that were begun, of `frames`, and `left`
+// includes all of them; else both are 0. Texts are static, and a stage has the same pointer in all
+// calls; the struct is valid during the call.
 typedef struct satin_progress {
     const char *stage, *unit;
     double done, rate, elapsed, left;

@@ -76,8 +76,8 @@ static int check_files(const struct app_render_request *r,
     return app_outputs_check(output, OUTPUTS, input);
 }
 
-// Checks the outputs. Those of an animation's frames are checked when the scene is
-// there, which may decide how many there are.
+// Checks the outputs. Those of an animation's frames are checked when the scene is there, which may
+// decide how many there are.
 static int check_outputs(const struct app_render_request *r) {
     if (!app_ranks_first(r->ranks)) return APP_DONE;
     struct app_output output[OUTPUTS];

@@ -68,8 +68,8 @@ static vec3 node_direction(const struct brdf_table *t, size_t node) {
 static double band_power(int l) { return 1.0 / ((l + 1.0) * (l + 1.0) * (l + 1.0)); }
 
 // The least order with a small enough error of the reflected radiance; if there is none, the
-// largest or 0, as the fit says. The part
-// of the squared norm that is in no band is assumed to be in the next one.
+// largest or 0, as the fit says. The part of the squared norm that is in no band is assumed to be
+// in the next one.
 static int least_order(const struct brdf_fit *fit, int channels, const float *c, double norm) {
     const int max_order = fit->max_order;
     const double max_error = (double)fit->max_error;

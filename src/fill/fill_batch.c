@@ -13,7 +13,7 @@
 enum {
     ATTEMPTS = 3,        // at a record that is not finite; after them its site has none
     TESTED_MOST = 1024,  // sites that are tested together before batch members are selected
-    BATCH_SITES = 128,
+    BATCH_SITES = 128,   // these three are explained at batch_size
     BATCH_LEAST = 128,
     BATCH_MOST = 1024
 };
@@ -79,8 +79,10 @@ static const float UNSURE = 0.4f;
 // of the threads, as the records depend on it. Compared to batches of BATCH_LEAST it made .5 to 3 %
 // more records at 200x200 (draft and preview of cornell-glossy, indirect-room and vase, three seeds
 // each), whose images had .96 to 1.01 times the relative squared error, and 11 % more at 400x400
-// (draft, indirect-room). 512 at all levels made up to 30 % more. The selection tests all pairs on
-// one thread, which limits it to BATCH_MOST, whatever the number of threads.
+// (draft, indirect-room). 512 at all levels made up to 30 % more. One thread tests all pairs of
+// members, which limits their number to BATCH_MOST: with it, this takes .1 % of the time of 64
+// cores (indirect-room, production, 400x400, by the model of bench/scaling.py), and grows as its
+// square.
 static int batch_size(size_t sites) {
     const size_t size = sites / BATCH_SITES;
     if (size < BATCH_LEAST) return BATCH_LEAST;

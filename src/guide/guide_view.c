@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the region of the scene that is visible, in any of the images, by a few paths: from an eye
-// to x, the first surface that
-// is not ideal specular, and from there along a direction of a gather ray. The median length of
-// these rays limits the radius of photon lookups. Boxes around the points x, and around the ideal
-// specular surfaces that the rays hit, show where caustic photons are useful. A box holds the
-// fraction of the points that is nearest to their median, so that a few distant points, as on a
-// ground that extends to the horizon, do not enlarge all boxes.
+// to x, the first surface that is not ideal specular, and from there along a direction of a gather
+// ray. The median length of these rays limits the radius of photon lookups. Boxes around the points
+// x, and around the ideal specular surfaces that the rays hit, show where caustic photons are
+// useful. A box holds the fraction of the points that is nearest to their median, so that a few
+// distant points, as on a ground that extends to the horizon, do not enlarge all boxes.
 #include <stdlib.h>
 
 #include "base/array.h"

@@ -36,8 +36,8 @@ static void copy_photons(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Copies the hits to the map's arrays in Morton order. False if there is no memory
-// or the pool was cancelled.
+// Copies the hits to the map's arrays in Morton order. False if there is no memory or the pool was
+// cancelled.
 static bool sort_photons(struct map_building *b, struct parallel *pool) {
     const size_t count = b->map->count;
     struct photon_keyed *key = array_new_unset(2 * count, sizeof *key);

@@ -11,7 +11,8 @@ enum {
     DIGIT_BITS = 10,
     DIGITS = 1 << DIGIT_BITS,
     CHUNK_LEAST = 4096,  // least number of items: some times the number of digits
-    CHUNKS_MOST = 128    // largest number: one thread adds their counts in .1 ms
+    CHUNKS_MOST = 128  // largest number of chunks: one thread adds the counts of all their digits,
+                       // which takes .1 ms; more threads than that would gain less
 };
 
 static uint32_t spread_bits(uint32_t x) {  // 10 bits to every third of 30

@@ -42,9 +42,9 @@ struct photon_morton_tree {
     size_t count, cells;
 };
 
-// Splits `count` points, >= 1, in Morton order, until cells have at most `most`
-// points or are cells of that order. Point i is at position[i * stride .. + 2]. False if
-// there is no memory; in any case the caller frees out->node.
+// Splits `count` points, >= 1, in Morton order, until cells have at most `most` points or are cells
+// of that order. Point i is at position[i * stride .. + 2]. False if there is no memory; in any
+// case the caller frees out->node.
 bool photon_morton_split(const struct photon_morton *morton, const float *position, size_t stride,
                          size_t count, size_t most, struct photon_morton_tree *out);
 

@@ -59,8 +59,8 @@ enum { PRESETS = sizeof preset / sizeof *preset };
 // - Twice the rays at 16 times the effort: .86 and .84 times the error. At 4 times the effort,
 //   where time does not suffice for all rounds, 1.4 times the rays: 1.3 and 1.4 times the error. So
 //   rays begin to grow later.
-// - Photons: 2.4 times as many changed the error by -11 and +4 %. Their power is small because of
-//   memory: 600 s of 64 cores take 8 million, 600 s of 2 cores 2.5 million, which are some .6 GB.
+// - Photons: 2.4 times as many changed the error by -11 and +4 %. So little gain allows a small
+//   power alone; option memory limits their number besides, which this function does not.
 static const struct {
     size_t offset;  // of the option's field
     double from;    // effort from which it grows, in units of that of the last preset

@@ -126,11 +126,11 @@ bool render_budget_next_round(const struct render *r, double seconds);
 // The distance of the pixels whose points adaptive caching compares, in both directions.
 int render_budget_adaptive_stride(int width, int height);
 
-// The number of random walks that search sites for records, for each indirect bounce; a power
-// of two. Records are made only at uncovered sites: 2048, 8192, 32768 and 131072
-// walks made 843, 1151, 1245 and 1246 in cornell-glossy and 1231, 1737, 1912 and 1921 in
-// indirect-room (draft at 64x64). The first block of sites is from RENDER_WALKS_FIRST walks; each
-// further block doubles their number.
+// The number of random walks that search sites for records, for each indirect bounce; a power of
+// two. Records are made only at uncovered sites: 2048, 8192, 32768 and 131072 walks made 843, 1151,
+// 1245 and 1246 in cornell-glossy and 1231, 1737, 1912 and 1921 in indirect-room (draft at 64x64).
+// The first block of sites is from RENDER_WALKS_FIRST walks; each further block doubles their
+// number.
 enum { RENDER_WALKS = 32768, RENDER_WALKS_FIRST = 512 };
 // Makes *options, those of the image, the options of records of that indirect bounce: fewer gather
 // rays and a larger accuracy a with each bounce.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+// The first round of records with a time limit: how many gather rays the records of each level get,
+// so that the round covers the image in its time.
 #include "render/render_covering.h"
 
 // The factors by which each finer level makes more records than the one before it: geometric means
-// of four furnished rooms, which
-// had 2.1, 3.2, 2.2, 1.8, 1.3; 2.0, 3.2, 2.0, 1.6, 1.1; 1.8, 2.7, 1.5,
-// 1.4, 1.0; 3.1, 2.2, 1.7, 1.9, 1.7. Empty rooms have less, so all are scaled by what the level
-// that is planned has of its own, within these limits.
+// of four furnished rooms, which had 2.1, 3.2, 2.2, 1.8, 1.3; 2.0, 3.2, 2.0, 1.6, 1.1; 1.8, 2.7,
+// 1.5, 1.4, 1.0; 3.1, 2.2, 1.7, 1.9, 1.7. Empty rooms have less, so all are scaled by what the
+// level that is planned has of its own, within these limits.
 static const double GROWTH[RENDER_LEVELS - 1] = {2.2, 2.8, 1.8, 1.7, 1.2};
 static const double GROWTH_LEAST = 0.5, GROWTH_MOST = 1.0;
 // That of the second level before its sites are known: that of empty rooms, .1 to .3; in furnished

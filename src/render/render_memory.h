@@ -26,8 +26,8 @@ struct render_memory {
 // Estimates what must be there, and limits the threads of r->options. SATIN_ERROR_INPUT, logged
 // with the bytes that are needed, if that is more than the limit.
 satin_status render_memory_begin(struct render *r);
-// Limits the photons of r->options, with a warning. To be called when
-// all ranks have begun. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+// Limits the photons of r->options, with a warning. To be called when all ranks have begun.
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status render_memory_photons(struct render *r);
 // The factor of the options' photons of the global map that fits, at most `wanted`; 1 always fits.
 double render_memory_grow(struct render *r, double wanted);

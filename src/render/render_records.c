@@ -41,10 +41,9 @@ static double all_pixels(const struct record_rounds *rounds, const struct record
 static struct fill_sites sites_to_cover(const struct record_rounds *rounds,
                                         const struct record_level *level, enum cache_kind kind) {
     const satin_options *o = &rounds->r->options;
-    const float a = kind == CACHE_IRRADIANCE ? o->irradiance_a : o->radiance_a;
     return (struct fill_sites){.site = rounds->sites.site,
                                .count = rounds->sites.count,
-                               .a = a * level->factor.of[kind],
+                               .a = cache_options_of(o, kind).a * level->factor.of[kind],
                                .factor_max = render_budget_largest_factor(o),
                                .spacing = 1.5f * (float)level->stride};
 }

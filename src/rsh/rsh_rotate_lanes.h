@@ -17,8 +17,7 @@ void rsh_convert_avx2(const struct rsh_rows *rows, bool transposed, const int ba
                       const float *in, float *out);
 void rsh_convert_avx512(const struct rsh_rows *rows, bool transposed, const int bands[2],
                         const float *in, float *out);
-// Without permutations of lanes by variable indices, scalars are as fast
-// (rsh_batch.c).
+// Without permutations of lanes by variable indices, scalars are as fast (rsh_batch.c).
 void rsh_rotate_lanes_scalar(const struct rsh_rotation *rotation, int order, int channels,
                              const float *in, float *out);
 #define rsh_rotate_lanes_sse2 rsh_rotate_lanes_scalar

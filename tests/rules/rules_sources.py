@@ -107,6 +107,8 @@ def check_text(path, lines):
         yield len(lines), f"{len(lines)} lines; the limit is {limit}"
     if path.suffix in CODE and (not lines or lines[0] != "// SPDX-License-Identifier: Apache-2.0"):
         yield 1, "the first line must be: // SPDX-License-Identifier: Apache-2.0"
+    if path.suffix in CODE and not (len(lines) > 1 and lines[1].startswith("//")):
+        yield 2, "the file does not open with a comment that says what it does"
     for at, line in enumerate(lines, 1):
         if MACHINE_PATH.search(line):
             yield at, "a path of one machine"

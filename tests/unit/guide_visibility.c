@@ -13,9 +13,8 @@
 #include "guide/guide.h"
 #include "test_scene.h"
 
-// A camera looks down at the floor of a cube of half-width 1 whose wall at x = 1 has a slit above
-// z = .2; beneath a sky, or with lamps above the floor and
-// above the ceiling.
+// A camera looks down at the floor of a cube of half-width 1 whose wall at x = 1 has a slit above z
+// = .2; beneath a sky, or with lamps above the floor and above the ceiling.
 static void guide_visibility_room(struct test_scene *t, bool walls, int lamps) {
     test_scene_init(t);
     const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);

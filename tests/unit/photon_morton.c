@@ -30,9 +30,7 @@ static vec3 point_of(int layout, struct rng *rng) {
     return p;
 }
 
-// Makes rows in Morton order: `columns` floats each, of which those after the
-// third are
-// +-0.01.
+// Makes rows in Morton order: `columns` floats each, of which those after the third are +-0.01.
 static float *sorted_rows(int layout, int columns, struct parallel *pool) {
     struct photon_keyed *key = calloc(2 * COUNT, sizeof *key);
     vec3 *p = calloc(COUNT, sizeof *p);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation of harmonics. A rotated function is checked by its values: that is exact
-// and needs no second implementation of the rotation.
+// Rotation of harmonics. A rotated function is checked by its values: that is exact and needs no
+// second implementation of the rotation.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
