@@ -36,8 +36,8 @@ static const double KEPT_LEAST = 0.5, STARVED_AGAIN = 1.5, STARVED_MOST = 8.0;
 // three closed rooms 1.0, .93 and .90 of the variance at 8 CPU seconds. A denoised image follows
 // the rays that would show single lookups. From production on, whose photons are
 // PRODUCTION_PHOTONS, the options have as many without a limit too: at the foot of a glossy wall 54
-// of 6,804 means of 5x5 pixels were over 3 % off with a million photons, and none is now, for 6 %
-// more time. Rooms that keep few photons get no more than before.
+// of 6,804 means of 5x5 pixels were over 3 % off with a million photons, and 0 and 14 are with
+// two seeds now. Rooms that keep few photons get no more than before.
 static const double TIMED_PHOTONS = 2.5, PRODUCTION_PHOTONS = 2.5e6;
 enum {
     // The number of paths for photon clusters, a sample of all photons: a fraction of those of the
