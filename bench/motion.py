@@ -16,7 +16,7 @@ import OpenEXR
 import runs
 
 VIEW = "[[frame]]\norigin = [-3.1, 1.5, 1.5]\ntarget = [-1, 0.9, -1]\n"
-# Positions of the object: on its table, beside that, over the floor, and under a table.
+# Positions of the object: on its table, beside that, over the floor, and on the floor.
 OFFSETS = [(0, 0, 0), (0.1, 0, 0.2), (0.3, -0.4, 1.2), (-0.8, -0.7, 1)]
 LIGHTS = [1, 0.9, 0.5, 0]  # intensities of a lamp
 PATH_SPP = 256
