@@ -20,7 +20,7 @@ extern "C" {
 // along the view. All else is that of the scene's sensor, which must be a perspective one.
 typedef struct satin_view {
     double origin[3], target[3], up[3];
-    double fov;  // angle of view along the film's width, in (0, 180) degrees; 0: the sensor's
+    double fov;  // angle of view along the film's width, in [1e-5, 180) degrees; 0: the sensor's
 } satin_view;
 
 // Takes the image of frame `number` [the number that the caller gave it]. The film is owned by the

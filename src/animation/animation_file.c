@@ -32,6 +32,8 @@ struct path_reader {
 
 // ---- Keyframes and lists ------------------------------------------------------------------------
 
+#define FOV_MIN 1e-5  // of a view in degrees, as satin/animation.h has it
+
 // The angle of view, which all frames have or none has.
 static bool take_fov(struct path_reader *r, const struct toml_node *table, size_t i) {
     const struct toml_node *node = toml_find(table, "fov");
@@ -41,8 +43,8 @@ static bool take_fov(struct path_reader *r, const struct toml_node *table, size_
         return animation_wrong(&r->reader, node ? node : table,
                                "all of them need the key 'fov', or none");
     if (!node) return true;
-    if (node->kind != TOML_NUMBER || !(node->number > 0.0 && node->number < 180.0))
-        return animation_wrong(&r->reader, node, "it must be an angle between 0 and 180 degrees");
+    if (node->kind != TOML_NUMBER || !(node->number >= FOV_MIN && node->number < 180.0))
+        return animation_wrong(&r->reader, node, "it must be an angle in [1e-05, 180) degrees");
     keys->fov[i] = node->number;
     return true;
 }

@@ -77,9 +77,17 @@ struct mat4 mat4_rotate(vec3 axis, float degrees) {
          {0, 0, 0, 1}}};
 }
 
+// A vector times the power of two that brings its largest component near 1, so that its square is
+// neither 0 nor infinite.
+static vec3 near_one(vec3 v) {
+    int exponent;
+    (void)frexpf(v3_max_abs(v), &exponent);
+    return v3(ldexpf(v.x, -exponent), ldexpf(v.y, -exponent), ldexpf(v.z, -exponent));
+}
+
 bool mat4_look_at(vec3 origin, vec3 target, vec3 up, struct mat4 *out) {
-    vec3 dir = v3_unit(v3_sub(target, origin));
-    vec3 left = v3_unit(v3_cross(up, dir));
+    vec3 dir = v3_unit(near_one(v3_sub(target, origin)));
+    vec3 left = v3_unit(v3_cross(near_one(up), dir));
     if (!(v3_len2(left) > 0.5f) || !(v3_len2(dir) > 0.5f) || !v3_finite(origin)) return false;
     vec3 y = v3_cross(dir, left);
     *out = (struct mat4){{{left.x, y.x, dir.x, origin.x},

@@ -20,7 +20,7 @@ struct mat4 mat4_translate(vec3 t);
 struct mat4 mat4_scale(vec3 s);
 struct mat4 mat4_rotate(vec3 axis, float degrees);  // right-handed, any non-zero axis
 // The transform from camera space to world space: z points to the target, y up and x to the left,
-// as in Mitsuba. False if the vectors are degenerate.
+// as in Mitsuba. False if origin and target coincide, or `up`, of any length, is along the view.
 bool mat4_look_at(vec3 origin, vec3 target, vec3 up, struct mat4 *out);
 
 vec3 mat4_point(const struct mat4 *m, vec3 p);         // divides by w if it is not 1

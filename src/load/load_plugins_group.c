@@ -74,7 +74,10 @@ static satin_status add_instance(struct load_state *loader, const struct params 
     satin_status status = group->group ? SATIN_OK : load_shape_add(loader, group);
     if (status != SATIN_OK) return status;
     if (load_pose_gone(loader, p->node)) return SATIN_OK;
-    struct shape shape = {.kind = SHAPE_INSTANCE, .instance_of = group->group - 1, .light = -1};
+    struct shape shape = {.kind = SHAPE_INSTANCE,
+                          .has_id = p->node->id != NULL,
+                          .instance_of = group->group - 1,
+                          .light = -1};
     if (!scene_shape_transform(&shape, &load_param(p, "to_world")->m))
         return load_refuse(loader, p, "to_world is singular");
     if (group->group == GROUP_EMPTY) return SATIN_OK;

@@ -106,9 +106,6 @@ static param_list orthographic_params = {
     &sensor_to_world, &near_clip,           &far_clip, &shutter_open,
     &shutter_close,   &idle_focus_distance, NULL};
 
-// At a smaller angle, in degrees, the rays to both ends are equal in single precision.
-#define FOV_MIN 1e-5f
-
 // Half the diagonal of 35 mm film, 36 x 24 mm.
 #define HALF_DIAGONAL_35MM 21.633307652783937
 
@@ -119,9 +116,9 @@ static satin_status field_of_view(struct load_state *loader, const struct params
     if (angle->given && focal->given)
         return load_refuse(loader, p, "it has both fov and focal_length");
     if (angle->given) {
-        if (angle->f >= 180.0f || angle->f < FOV_MIN) {
+        if (angle->f >= 180.0f || angle->f < SCENE_FOV_MIN) {
             log_error_at(loader->log, angle->place, "fov is %g, but must be in [%g, 180)",
-                         (double)angle->f, (double)FOV_MIN);
+                         (double)angle->f, (double)SCENE_FOV_MIN);
             return SATIN_ERROR_INPUT;
         }
         *tangent = tan((double)angle->f * (3.14159265358979323846 / 360.0));

@@ -330,7 +330,8 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     status = only_child(loader, &p, XML_BSDF, &bsdf);
     if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);
     if (status != SATIN_OK) return status;
-    struct shape shape = {.name = load_keep_text(loader, node->id ? node->id : p.plugin->name),
+    struct shape shape = {.has_id = node->id != NULL,
+                          .name = load_keep_text(loader, node->id ? node->id : p.plugin->name),
                           .flip_normals = load_param(&p, "flip_normals")->b,
                           .group = loader->open_group,
                           .light = -1};

@@ -27,10 +27,10 @@ static satin_status make_camera(const struct render *r, const satin_view *view, 
                         "frame %d has no view: origin and target coincide, or up is along the view",
                         number);
     if (view->fov == 0.0) return SATIN_OK;
-    if (!(view->fov > 0.0 && view->fov < 180.0))
+    if (!(view->fov >= (double)SCENE_FOV_MIN && view->fov < 180.0))
         return log_fail(r->log, SATIN_ERROR_INPUT,
-                        "frame %d: the angle of view %g is not between 0 and 180 degrees", number,
-                        view->fov);
+                        "frame %d: the angle of view is %g, but must be in [%g, 180) degrees",
+                        number, view->fov, (double)SCENE_FOV_MIN);
     out->tan_x = (float)tan(view->fov * 3.14159265358979323846 / 360.0);
     out->tan_y = r->scene.camera.tan_y / r->scene.camera.tan_x * out->tan_x;
     return SATIN_OK;

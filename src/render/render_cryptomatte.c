@@ -56,10 +56,10 @@ static const char *name_of(const struct satin_scene *scene, int matte, uint32_t 
     return matte == 0 ? s->name : scene->material[s->material].name;
 }
 
-// Whether the shape is not an instance without an id, which has the name of its plugin.
+// An instance without an id is not an object; its shapes are.
 static bool is_object(const struct satin_scene *scene, uint32_t shape) {
     const struct shape *s = &scene->shape[shape];
-    return s->kind != SHAPE_INSTANCE || strcmp(s->name, "instance") != 0;
+    return s->kind != SHAPE_INSTANCE || s->has_id;
 }
 
 // ---- Pixels -------------------------------------------------------------------------------------

@@ -215,7 +215,8 @@ static inline vec2 scene_mesh_uv(const struct mesh *mesh, uint32_t triangle, vec
 
 struct shape {
     enum shape_kind kind;
-    const char *name;
+    bool has_id;       // in the scene file
+    const char *name;  // this id, or the name of its plugin
     struct mesh mesh;  // SHAPE_MESH (rectangle and cube too)
     struct curves curves;
     struct mat4 to_world,
@@ -257,6 +258,10 @@ rgb scene_attribute_mean(const struct mesh *mesh, const struct texture *texture)
 bool scene_attribute_used(const struct texture *texture);
 
 // ---- Camera and scene ---------------------------------------------------------------------------
+
+// The least angle of view in degrees: at a smaller one, the rays to both ends are equal in single
+// precision.
+#define SCENE_FOV_MIN 1e-5f
 
 struct camera {
     struct mat4 to_world;

@@ -45,6 +45,11 @@ static void every_step_gives_its_matrix(void **state) {
                           (float[]){1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
     load_transform_expect("<lookat origin='1 2 3' target='1 2 9' up='0 5 1'/>",
                           (float[]){1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
+    // Vectors whose squares are 0 or infinite have directions, too.
+    load_transform_expect("<lookat origin='0 0 0' target='0 0 1e-30' up='0 5e-30 1e-30'/>",
+                          (float[]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+    load_transform_expect("<lookat origin='0 0 0' target='0 0 1e30' up='0 5e30 1e30'/>",
+                          (float[]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
 }
 
 // The first step in the file is applied first.

@@ -150,7 +150,7 @@ static void wrong_animations_are_refused(void **state) {
          "frame 5 has no view"},
         {{wide, 1, 5, 5, 5, take_image, NULL, NULL, NULL, 0},
          SATIN_ERROR_INPUT,
-         "the angle of view 180"},
+         "the angle of view is 180"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct animated a = {0};
