@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: the budgets, that is how much work a render does, and when. What divides time
 // between stages, or makes the work of a stage depend on time, photons made, pixels or the bounce,
-// is here and in render_budget.c. Four kinds of numbers are elsewhere:
+// is here and in render_budget.c; the rays of the first round of records, which follow from what it
+// has covered, are in render_covering.c. Four kinds of numbers are elsewhere:
 // options_quality.c has the values of the options by quality and by effort, which is the time per
 // pixel, and these are the base of all decisions; a stage has beside its code the constant size of
 // a sample by which it estimates something for itself, such as the paths for the view; the sizes of
