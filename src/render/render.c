@@ -97,6 +97,15 @@ static satin_status prepare_second_pass(struct render *r) {
     return render_shading(r, pass->cache);
 }
 
+// What stands between the photons and the records of the image.
+static satin_status prepare_records(struct render *r) {
+    satin_status status = prepare_gathering(r);
+    if (status == SATIN_OK) status = make_tables(r);
+    if (status == SATIN_OK) status = bounce_records(r);
+    if (status == SATIN_OK) status = prepare_second_pass(r);
+    return status;
+}
+
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
 static satin_status sample_image(struct render *r) {
     render_limit_image(r);
@@ -145,10 +154,7 @@ static satin_status make_moved_frame(struct render *at_rest, satin_film **film) 
     if (status == SATIN_OK) status = prepare(r, scene, at_rest->motion.options);
     status = render_ranks_agree(at_rest, status);
     if (status == SATIN_OK) status = first_pass(r);
-    if (status == SATIN_OK) status = prepare_gathering(r);
-    if (status == SATIN_OK) status = make_tables(r);
-    if (status == SATIN_OK) status = bounce_records(r);
-    if (status == SATIN_OK) status = prepare_second_pass(r);
+    if (status == SATIN_OK) status = prepare_records(r);
     if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS)) status = render_records(r);
     if (status == SATIN_OK) status = make_frame(r, film);
     if (r && r->outcome.error_logged) at_rest->outcome.error_logged = true;
@@ -190,10 +196,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = render_frames_ask(r);
     if (status == SATIN_OK) status = render_checkpoint_open(r);
     if (status == SATIN_OK) status = first_pass(r);
-    if (status == SATIN_OK) status = prepare_gathering(r);
-    if (status == SATIN_OK) status = make_tables(r);
-    if (status == SATIN_OK) status = bounce_records(r);
-    if (status == SATIN_OK) status = prepare_second_pass(r);
+    if (status == SATIN_OK) status = prepare_records(r);
     if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS)) status = render_records(r);
     if (r && r->callbacks.animation)
         status = make_frames(r, status);
