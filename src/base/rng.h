@@ -18,7 +18,7 @@ enum rng_stream {
     RNG_TEST = 10,
     RNG_CAUSTIC,
     RNG_GUIDE,
-    RNG_VIEW,
+    RNG_SEEN,
     RNG_BOUNCE,
     RNG_ALLOCATION,
     RNG_CELL,

@@ -30,7 +30,7 @@ struct gathered {
 };
 
 // A record that is being made.
-struct job {
+struct batch_member {
     const struct fill_site *site;
     struct gather_radiance radiance;
     struct gathered found;
@@ -42,11 +42,12 @@ struct batch;
 // Functions for one kind of records.
 struct record_functions {
     // Computes the record and its surroundings from a gathered hemisphere.
-    void (*find)(const struct batch *batch, struct job *job,
+    void (*find)(const struct batch *batch, struct batch_member *member,
                  const struct gather_hemisphere *hemisphere);
     // Sets the extent of the record that was found. False if the record is not valid.
-    bool (*make)(const struct batch *batch, struct job *job);
-    bool (*insert)(struct batch *batch, struct job *job);  // false if there is no memory
+    bool (*make)(const struct batch *batch, struct batch_member *member);
+    bool (*insert)(struct batch *batch,
+                   struct batch_member *member);  // false if there is no memory
 };
 
 struct batch {
@@ -56,9 +57,9 @@ struct batch {
     enum cache_kind kind;
     struct cache_store *store;               // of that kind
     const struct record_functions *records;  // functions of that kind
-    struct job *job;
-    int count, size;      // number of jobs, at most `size`
-    float *coefficients;  // of radiance jobs: 10 * order^2 for each
+    struct batch_member *member;
+    int count, size;      // number of members, at most `size`
+    float *coefficients;  // of radiance members: 10 * order^2 for each
     // Sites from `next` to `last` are not covered, or not tested yet.
     const struct fill_site **waiting;
     size_t next, last;
@@ -100,7 +101,7 @@ static void test_coverage(void *ctx, size_t begin, size_t end, int worker) {
 static bool lies_apart(const struct batch *b, const struct fill_site *site) {
     const float least = b->sites->spacing * site->pixel;
     for (int i = 0; i < b->count; i++) {
-        const struct fill_site *other = b->job[i].site;
+        const struct fill_site *other = b->member[i].site;
         if (v3_dist2(other->p, site->p) < least * least &&
             v3_dot(other->frame.n, site->frame.n) > 0.5f)
             return false;
@@ -108,12 +109,12 @@ static bool lies_apart(const struct batch *b, const struct fill_site *site) {
     return true;
 }
 
-static void add_job(struct batch *b, const struct fill_site *site) {
+static void add_member(struct batch *b, const struct fill_site *site) {
     const size_t n2 = (size_t)(b->store->order * b->store->order), n = 3 * n2;
     float *block = b->coefficients + 10 * n2 * (size_t)b->count;
-    struct job *job = &b->job[b->count++];
-    *job = (struct job){.site = site};
-    job->radiance = (struct gather_radiance){
+    struct batch_member *member = &b->member[b->count++];
+    *member = (struct batch_member){.site = site};
+    member->radiance = (struct gather_radiance){
         .lambda = block, .dx = block + n, .dy = block + 2 * n, .noise = block + 3 * n};
 }
 
@@ -133,7 +134,7 @@ static bool choose_batch(struct batch *b) {
             if (!lies_apart(b, site))
                 b->waiting[start + kept++] = site;
             else
-                add_job(b, site);
+                add_member(b, site);
         }
     }
     b->next = i - kept;
@@ -158,33 +159,33 @@ static struct cache_irradiance_value average_values(const struct cache_irradianc
     return mean;
 }
 
-static void find_surroundings(const struct batch *b, struct job *job,
+static void find_surroundings(const struct batch *b, struct batch_member *member,
                               const struct gather_hemisphere *hemisphere) {
     const bool hessian = b->store->options.radius == SATIN_RADIUS_HESSIAN;
-    gather_surroundings_make(hemisphere, hessian, &job->found.around);
+    gather_surroundings_make(hemisphere, hessian, &member->found.around);
 }
 
 // The light that the site reflects to the eye and that the harmonics leave out.
-static struct cache_residual find_residual(const struct batch *b, const struct job *job,
+static struct cache_residual find_residual(const struct batch *b, const struct batch_member *member,
                                            const struct gather_hemisphere *hemisphere) {
-    const struct fill_site *s = job->site;
+    const struct fill_site *s = member->site;
     if (!s->glossy.table || !s->glossy.lobe_number)
         return (struct cache_residual){.lobe_number = 0};
     const rgb whole =
         gather_hemisphere_reflected(hemisphere, &s->glossy.brdf, s->glossy.wo, BRDF_GLOSSY);
-    return fill_residual(&job->radiance, b->store->order, &s->frame, &s->glossy, whole);
+    return fill_residual(&member->radiance, b->store->order, &s->frame, &s->glossy, whole);
 }
 
-static void find_irradiance(const struct batch *b, struct job *job,
+static void find_irradiance(const struct batch *b, struct batch_member *member,
                             const struct gather_hemisphere *hemisphere) {
-    find_surroundings(b, job, hemisphere);
-    gather_hemisphere_irradiance(b->fill->g, hemisphere, &job->found.irradiance);
+    find_surroundings(b, member, hemisphere);
+    gather_hemisphere_irradiance(b->fill->g, hemisphere, &member->found.irradiance);
 }
 
-static bool make_irradiance(const struct batch *b, struct job *job) {
-    if (!fill_valid_irradiance(&job->found.irradiance, &job->found.around)) return false;
-    job->found.extent =
-        fill_extent_irradiance(b->fill, job->site, &job->found.around, &job->found.irradiance);
+static bool make_irradiance(const struct batch *b, struct batch_member *member) {
+    if (!fill_valid_irradiance(&member->found.irradiance, &member->found.around)) return false;
+    member->found.extent = fill_extent_irradiance(b->fill, member->site, &member->found.around,
+                                                  &member->found.irradiance);
     return true;
 }
 
@@ -197,21 +198,21 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
     for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
 }
 
-static void find_radiance(const struct batch *b, struct job *job,
+static void find_radiance(const struct batch *b, struct batch_member *member,
                           const struct gather_hemisphere *hemisphere) {
-    find_surroundings(b, job, hemisphere);
-    gather_hemisphere_radiance(b->fill->g, hemisphere, &job->radiance);
-    job->found.radiance_rays = job->radiance.rays;
-    job->found.residual = find_residual(b, job, hemisphere);
+    find_surroundings(b, member, hemisphere);
+    gather_hemisphere_radiance(b->fill->g, hemisphere, &member->radiance);
+    member->found.radiance_rays = member->radiance.rays;
+    member->found.residual = find_residual(b, member, hemisphere);
 }
 
-static bool make_radiance(const struct batch *b, struct job *job) {
-    if (!fill_valid_radiance(&job->radiance, b->store->order, &job->found.around) ||
-        !rgb_finite(job->found.residual.L))
+static bool make_radiance(const struct batch *b, struct batch_member *member) {
+    if (!fill_valid_radiance(&member->radiance, b->store->order, &member->found.around) ||
+        !rgb_finite(member->found.residual.L))
         return false;
-    job->found.extent =
-        fill_extent_radiance(b->fill, job->site, &job->found.around, &job->radiance);
-    interleave(&job->radiance, b->store->order * b->store->order, job->value);
+    member->found.extent =
+        fill_extent_radiance(b->fill, member->site, &member->found.around, &member->radiance);
+    interleave(&member->radiance, b->store->order * b->store->order, member->value);
     return true;
 }
 
@@ -219,79 +220,80 @@ static bool make_radiance(const struct batch *b, struct job *job) {
 // stay invalid are not used.
 static bool allocate_values(struct batch *b) {
     if (b->kind != CACHE_RADIANCE) return true;
-    for (struct job *job = b->job; job < b->job + b->count; job++) {
-        job->value = cache_value_new(b->cache);
-        if (!job->value) return false;
+    for (struct batch_member *member = b->member; member < b->member + b->count; member++) {
+        member->value = cache_value_new(b->cache);
+        if (!member->value) return false;
     }
     return true;
 }
 
 // Whether a few of its rays make up most of a record.
-static bool is_unsure(const struct batch *b, const struct job *job) {
-    return b->kind == CACHE_IRRADIANCE && job->found.around.deviation > UNSURE;
+static bool is_unsure(const struct batch *b, const struct batch_member *member) {
+    return b->kind == CACHE_IRRADIANCE && member->found.around.deviation > UNSURE;
 }
 
 // Gathers an irradiance record again, by all the rays of the options, and averages both values.
-static void add_all_rays(const struct batch *b, struct job *job, const struct gather_site *site,
-                         const struct gather_worker *w) {
-    const struct cache_irradiance_value first = job->found.irradiance;
+static void add_all_rays(const struct batch *b, struct batch_member *member,
+                         const struct gather_site *site, const struct gather_worker *w) {
+    const struct cache_irradiance_value first = member->found.irradiance;
     struct gather_site again = *site;
     again.stream = rng_mix(site->stream ^ 0x9e3779b97f4a7c15ull);
     gather_hemisphere_trace(b->fill->g, b->fill->irradiance_whole, &again, w->scratch,
                             w->hemisphere);
-    find_irradiance(b, job, w->hemisphere);
-    job->found.irradiance = average_values(&first, &job->found.irradiance);
+    find_irradiance(b, member, w->hemisphere);
+    member->found.irradiance = average_values(&first, &member->found.irradiance);
 }
 
-// Gathers the jobs [begin, end) of a batch. A record that is not finite or out of range is gathered
-// again with other random numbers.
+// Gathers the members [begin, end) of a batch. A record that is not finite or out of range is
+// gathered again with other random numbers.
 static void make_records(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     const struct fill *f = b->fill;
     const struct gather_worker *w = &f->worker[worker];
-    for (struct job *job = b->job + begin; job < b->job + end; job++) {
-        const struct fill_site *s = job->site;
+    for (struct batch_member *member = b->member + begin; member < b->member + end; member++) {
+        const struct fill_site *s = member->site;
         const struct gather_layout *layout =
             fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->factor_max);
         struct gather_site site = {s->p, s->ng, s->frame, s->stream, true, NULL, s->glossy.wo};
         if (fill_rays_glossy(b->kind, s)) site.glossy = &s->glossy.brdf;
-        for (int attempt = 0; attempt < ATTEMPTS && !job->found.valid; attempt++) {
+        for (int attempt = 0; attempt < ATTEMPTS && !member->found.valid; attempt++) {
             gather_hemisphere_trace(f->g, layout, &site, w->scratch, w->hemisphere);
-            b->records->find(b, job, w->hemisphere);
-            if (is_unsure(b, job)) add_all_rays(b, job, &site, w);
-            job->found.valid = b->records->make(b, job);
-            if (!job->found.valid) job->found.refused++;
+            b->records->find(b, member, w->hemisphere);
+            if (is_unsure(b, member)) add_all_rays(b, member, &site, w);
+            member->found.valid = b->records->make(b, member);
+            if (!member->found.valid) member->found.refused++;
             site.stream = rng_mix(site.stream + 0x9e3779b97f4a7c15ull);
         }
     }
 }
 
-// ---- Results of a job as bytes ------------------------------------------------------------------
+// ---- Results of a member as bytes ---------------------------------------------------------------
 
 static size_t value_bytes(const struct batch *b) {
     return (size_t)(b->store->order * b->store->order * CACHE_LANES) * sizeof(float);
 }
 
-// The job's pointers are set by choose_batch.
-static void pack_jobs(void *ctx, size_t begin, size_t end, struct bytes *out) {
+// The member's pointers are set by choose_batch.
+static void pack_members(void *ctx, size_t begin, size_t end, struct bytes *out) {
     const struct batch *b = ctx;
-    for (const struct job *job = b->job + begin; job < b->job + end; job++) {
-        bytes_put(out, &job->found, sizeof job->found);
-        if (job->value) bytes_put(out, job->value, value_bytes(b));
+    for (const struct batch_member *member = b->member + begin; member < b->member + end;
+         member++) {
+        bytes_put(out, &member->found, sizeof member->found);
+        if (member->value) bytes_put(out, member->value, value_bytes(b));
     }
 }
 
-static bool unpack_jobs(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+static bool unpack_members(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
     const struct batch *b = ctx;
-    for (struct job *job = b->job + begin; job < b->job + end; job++) {
-        bytes_get(in, &job->found, sizeof job->found);
-        if (job->value) bytes_get(in, job->value, value_bytes(b));
+    for (struct batch_member *member = b->member + begin; member < b->member + end; member++) {
+        bytes_get(in, &member->found, sizeof member->found);
+        if (member->value) bytes_get(in, member->value, value_bytes(b));
     }
     return true;
 }
 
-static const struct parallel_results jobs_results = {
-    .pack = pack_jobs, .unpack = unpack_jobs, .journaled = true};
+static const struct parallel_results members_results = {
+    .pack = pack_members, .unpack = unpack_members, .journaled = true};
 
 // ---- Inserting ----------------------------------------------------------------------------------
 
@@ -311,13 +313,13 @@ static void clamp_extent(const struct batch *b, const struct fill_site *s, struc
 }
 
 // The head of a new record.
-static struct cache_head make_head(const struct batch *b, const struct job *job,
+static struct cache_head make_head(const struct batch *b, const struct batch_member *member,
                                    const struct fill_extent *x) {
-    const struct fill_site *s = job->site;
+    const struct fill_site *s = member->site;
     const float radius = b->store->options.a * b->sites->factor_max * x->R;
     float ratio = x->R / x->across;
     float clear;
-    const uint32_t near = fill_leak_sectors(&job->found.around, radius, &clear);
+    const uint32_t near = fill_leak_sectors(&member->found.around, radius, &clear);
     return (struct cache_head){
         .p = s->p,
         .R = x->R,
@@ -331,21 +333,22 @@ static struct cache_head make_head(const struct batch *b, const struct job *job,
     };
 }
 
-static bool insert_irradiance(struct batch *b, struct job *job) {
-    struct fill_extent x = job->found.extent;
-    clamp_extent(b, job->site, &x);
-    const struct cache_head head = make_head(b, job, &x);
-    const struct cache_irradiance_record record = {job->found.irradiance,
-                                                   job->found.around.deviation, x.radius_ratio};
+static bool insert_irradiance(struct batch *b, struct batch_member *member) {
+    struct fill_extent x = member->found.extent;
+    clamp_extent(b, member->site, &x);
+    const struct cache_head head = make_head(b, member, &x);
+    const struct cache_irradiance_record record = {member->found.irradiance,
+                                                   member->found.around.deviation, x.radius_ratio};
     return cache_insert_irradiance(b->cache, &head, &record);
 }
 
-static bool insert_radiance(struct batch *b, struct job *job) {
-    struct fill_extent x = job->found.extent;
-    clamp_extent(b, job->site, &x);
-    const struct cache_head head = make_head(b, job, &x);
-    const struct cache_radiance_record record = {job->site->frame, job->value, x.radius_ratio,
-                                                 job->found.radiance_rays, job->found.residual};
+static bool insert_radiance(struct batch *b, struct batch_member *member) {
+    struct fill_extent x = member->found.extent;
+    clamp_extent(b, member->site, &x);
+    const struct cache_head head = make_head(b, member, &x);
+    const struct cache_radiance_record record = {member->site->frame, member->value, x.radius_ratio,
+                                                 member->found.radiance_rays,
+                                                 member->found.residual};
     return cache_insert_radiance(b->cache, &head, &record);
 }
 
@@ -370,10 +373,10 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
     b->records = &functions[kind];
     b->waiting = array_new(sites->count, sizeof *b->waiting);
     b->size = batch_size(sites->count);
-    b->job = array_new((size_t)b->size, sizeof *b->job);
+    b->member = array_new((size_t)b->size, sizeof *b->member);
     b->coefficients =
         array_new((size_t)(b->size * 10 * b->store->order * b->store->order), sizeof(float));
-    if (b->waiting && b->job && b->coefficients) status = SATIN_OK;
+    if (b->waiting && b->member && b->coefficients) status = SATIN_OK;
     for (size_t i = 0; i < sites->count && status == SATIN_OK; i++)
         if (sites->site[i].kinds >> kind & 1u) b->waiting[b->last++] = &sites->site[i];
     while (b->next < b->last && status == SATIN_OK && !cache_full(fill->cache)) {
@@ -383,20 +386,21 @@ satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct 
         if (whole && !allocate_values(b)) status = SATIN_ERROR_MEMORY;
         if (status != SATIN_OK) break;
         whole = whole && parallel_for_results(fill->pool, (size_t)b->count, 1, make_records, b,
-                                              &jobs_results);
+                                              &members_results);
         parallel_begin_part(fill->pool, "insert");
         if (!whole) status = SATIN_CANCELLED;
-        for (struct job *job = b->job; job < b->job + b->count && status == SATIN_OK; job++) {
-            fill->refused += (uint64_t)job->found.refused;
-            assert(job->found.refused == 0);
+        for (struct batch_member *member = b->member;
+             member < b->member + b->count && status == SATIN_OK; member++) {
+            fill->refused += (uint64_t)member->found.refused;
+            assert(member->found.refused == 0);
             // A record that stayed invalid is left out, and gathering replaces it at its site.
-            if (job->found.valid && !b->records->insert(b, job)) status = SATIN_ERROR_MEMORY;
+            if (member->found.valid && !b->records->insert(b, member)) status = SATIN_ERROR_MEMORY;
         }
     }
     parallel_begin_part(fill->pool, part);
     free(b->waiting);
     free(b->coefficients);
-    free(b->job);
+    free(b->member);
     free(b);
     return status;
 }

@@ -38,9 +38,9 @@ struct gather {
     const struct guide_visibility *visibility;  // of the lights; NULL: all are visible
     bool wide_lights;       // whether lights are so large that light sampling alone is noisy
     bool rays_find_lights;  // whether some light is hit by rays: not all are points or directions
-    const struct gather_direct *direct;            // NULL: there is none
-    const struct photon_progressive *progressive;  // whose photons paths read; NULL: no photons
-    float lookup_max;  // photon lookups of a larger radius are not reliable
+    const struct gather_direct *direct;  // NULL: there is none
+    const struct photon_sppm *sppm;      // whose photons paths read; NULL: no photons
+    float lookup_max;                    // photon lookups of a larger radius are not reliable
     // The records of the next indirect bounce; `gather` is NULL except in first pass `recursive`.
     struct gather_records next;
 };
@@ -62,17 +62,16 @@ static inline bool gather_traces_paths(const satin_options *o) {
 
 // ---- Direct light (gather_sample_lights.c) ------------------------------------------------------
 
-// How direct light is divided between BRDF sampling and light sampling: for each group of the
-// BRDF, the number of BRDF samples per light sample, drawn from all lobes of the group,
-// including ideal ones. Ratio 0 is light sampling alone. Lobes of different groups do not
-// overlap. `depth` is the number of path segments between the eye and the point; panes that light
-// passes are added.
+// How direct light is divided between BRDF sampling and light sampling: for each set of lobes of
+// the BRDF, the number of BRDF samples per light sample, drawn from all lobes of the set,
+// including ideal ones. Ratio 0 is light sampling alone. No lobe is in two sets. `depth` is the
+// number of path segments between the eye and the point; panes that light passes are added.
 struct gather_mis {
     int depth;
     struct {
         unsigned lobes;
         float ratio;
-    } group[3];
+    } set[3];
 };
 
 // Light samples: their number, at least one, and the index of the first among those of its pixel.

@@ -26,7 +26,7 @@ static const float DIFFERS = 0.5f, EVEN_DEVIATIONS = 2.0f;
 // this test the mean of a room with a beam between the entries is 30 % off at 20,000 photons.
 static const float BRIGHTER = 4.0f, BRIGHTER_DEVIATIONS = 2.0f;
 
-struct direct_job {
+struct direct_loop {
     const struct gather *g;
     struct gather_direct *direct;
     float *noise2;  // variance of the luminance of an entry's E
@@ -44,8 +44,8 @@ static struct shading_point white_point(const struct brdf_model *diffuse, vec3 p
 }
 
 static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
-    const struct direct_job *job = ctx;
-    const struct gather *g = job->g;
+    const struct direct_loop *loop = ctx;
+    const struct gather *g = loop->g;
     (void)worker;
     const struct brdf_model *diffuse = brdf_find("diffuse");
     const uint32_t seed = (uint32_t)rng_mix(g->options->seed + RNG_GATHER_HIT);
@@ -59,27 +59,27 @@ static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
         const struct sampler sampler = {0, seed, 0};
         float variance;
         const rgb L = gather_sample_lights(g, &point, alone, light_samples, sampler, &variance);
-        job->direct->E[i] = rgb_scale(L, PI_F);
-        job->noise2[i] = sqrf(PI_F) * variance / ENTRY_SAMPLES;
+        loop->direct->E[i] = rgb_scale(L, PI_F);
+        loop->noise2[i] = sqrf(PI_F) * variance / ENTRY_SAMPLES;
     }
 }
 
 // Whether direct photons bring much more light to the surroundings of an entry than irradiance E.
-static bool is_brighter(const struct direct_job *job, size_t i, float E) {
-    const struct photon_direct direct = photon_direct_at(job->g->maps, i);
+static bool is_brighter(const struct direct_loop *loop, size_t i, float E) {
+    const struct photon_direct direct = photon_direct_at(loop->g->maps, i);
     if (!(direct.power > 0.0f)) return false;
     const float photon = direct.power2 / direct.power;  // power of a typical photon
-    const float most = BRIGHTER * E * photon_irradiance_area(job->g->maps, i);
+    const float most = BRIGHTER * E * photon_irradiance_area(loop->g->maps, i);
     return direct.power > most + BRIGHTER_DEVIATIONS * sqrtf(most * photon) + photon;
 }
 
 // Whether direct light at the entries around one is equal except for noise. Its own value is not
 // tested: otherwise the decision to read it would depend on it, and rare bright samples would be
 // lost more often than others.
-static bool entries_agree(const struct direct_job *job, size_t i) {
-    const struct gather_direct *t = job->direct;
+static bool entries_agree(const struct direct_loop *loop, size_t i) {
+    const struct gather_direct *t = loop->direct;
     int around[PHOTON_AROUND];
-    photon_irradiance_around(job->g->maps, i, around);
+    photon_irradiance_around(loop->g->maps, i, around);
     float least = INFINITY, most = 0.0f, sum = 0.0f, noise2 = 0.0f;
     int others = 0;
     for (int k = 0; k < PHOTON_AROUND; k++) {
@@ -89,18 +89,18 @@ static bool entries_agree(const struct direct_job *job, size_t i) {
         most = fmaxf(most, there);
         sum += there;
         others++;
-        noise2 = fmaxf(noise2, job->noise2[around[k]]);
+        noise2 = fmaxf(noise2, loop->noise2[around[k]]);
     }
-    const float indirect = rgb_luminance(photon_irradiance_of_entry(job->g->maps, i));
+    const float indirect = rgb_luminance(photon_irradiance_of_entry(loop->g->maps, i));
     const float mean = 0.5f * (least + most) + indirect;
-    if (is_brighter(job, i, others > 0 ? sum / (float)others : 0.0f)) return false;
+    if (is_brighter(loop, i, others > 0 ? sum / (float)others : 0.0f)) return false;
     return most - least <= DIFFERS * mean + EVEN_DEVIATIONS * sqrtf(2.0f * noise2);
 }
 
 static void compare_entries(void *ctx, size_t begin, size_t end, int worker) {
-    const struct direct_job *job = ctx;
+    const struct direct_loop *loop = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++) job->direct->similar[i] = entries_agree(job, i);
+    for (size_t i = begin; i < end; i++) loop->direct->similar[i] = entries_agree(loop, i);
 }
 
 satin_status gather_direct_build(const struct gather *g, struct parallel *pool,
@@ -109,15 +109,15 @@ satin_status gather_direct_build(const struct gather *g, struct parallel *pool,
     direct.E = array_new(direct.count, sizeof *direct.E);
     direct.similar = array_new(direct.count, sizeof *direct.similar);
     float *noise2 = array_new(direct.count, sizeof *noise2);
-    struct direct_job job = {g, &direct, noise2};
+    struct direct_loop loop = {g, &direct, noise2};
     const struct parallel_results lit = {
         .slot = {{direct.E, sizeof *direct.E}, {noise2, sizeof *noise2}}, .journaled = true};
     satin_status status = SATIN_OK;
     if (!direct.E || !direct.similar || !noise2)
         status = SATIN_ERROR_MEMORY;
-    else if (!parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, sample_entries, &job,
+    else if (!parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, sample_entries, &loop,
                                    &lit) ||
-             !parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &job))
+             !parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &loop))
         status = SATIN_CANCELLED;
     free(noise2);
     if (status == SATIN_OK)

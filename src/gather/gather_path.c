@@ -37,7 +37,7 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
 // progressive photon mapping new photons were traced too, so it takes all those of the options at
 // the first point.
 static int count_light_samples(const struct gather *g, int depth) {
-    return g->progressive && depth == 1 ? g->options->light_samples : 1;
+    return g->sppm && depth == 1 ? g->options->light_samples : 1;
 }
 
 // Continues the path from `from` by a sample, along `d`.
@@ -66,8 +66,7 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
     const vec3 d = frame_to_world(&from->frame, next.wi);
     leave_point(g, from, &next, d, walk);
     walk->T = rgb_mul(walk->T, next.weight);
-    walk->rest =
-        rgb_mul(walk->rest, g->progressive ? photon_progressive_rest(from, &next) : next.weight);
+    walk->rest = rgb_mul(walk->rest, g->sppm ? photon_sppm_rest(from, &next) : next.weight);
     walk->eta *= next.eta;
     walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
     walk->specular = walk->specular && !(next.pdf_w > 0.0f);
@@ -90,8 +89,8 @@ static rgb known_light(const struct gather *g, const struct shading_point *p, in
     const struct gather_mis both = {depth, {{BRDF_ALL, 1.0f / (float)count}}};
     const struct gather_light_samples samples = {count, sampler.index * (uint32_t)count};
     const rgb direct = gather_sample_lights(g, p, both, samples, sampler, NULL);
-    if (!g->progressive || !(p->lobes & BRDF_REFLECT)) return direct;
-    return rgb_add(direct, photon_progressive_radiance(g->progressive, p, depth));
+    if (!g->sppm || !(p->lobes & BRDF_REFLECT)) return direct;
+    return rgb_add(direct, photon_sppm_radiance(g->sppm, p, depth));
 }
 
 // The radiance of a path, and the first hit: `first` for a gather ray, `eye` for an eye ray.

@@ -20,10 +20,10 @@ static rgb weighted_brdf(const struct shading_point *p, struct gather_mis mis, v
                          bool delta) {
     rgb sum = rgb_grey(0.0f);
     for (int i = 0; i < 3; i++) {
-        unsigned lobes = mis.group[i].lobes & p->lobes;
+        unsigned lobes = mis.set[i].lobes & p->lobes;
         if (!(lobes & BRDF_SMOOTH)) continue;
         rgb f = brdf_eval(&p->brdf, p->wo_l, wi, lobes);
-        float ratio = mis.group[i].ratio, weight = 1.0f;
+        float ratio = mis.set[i].ratio, weight = 1.0f;
         if (ratio > 0.0f && !delta)
             weight = mis_power(pdf, ratio * brdf_pdf(&p->brdf, p->wo_l, wi, lobes));
         sum = rgb_mad(sum, f, weight);
@@ -80,7 +80,7 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
     rgb sum = rgb_grey(0.0f);
     const uint32_t light_count = g->scene->light_count, samples = (uint32_t)light_samples.count;
     if (variance) *variance = 0.0f;
-    unsigned lobes = mis.group[0].lobes | mis.group[1].lobes | mis.group[2].lobes;
+    unsigned lobes = mis.set[0].lobes | mis.set[1].lobes | mis.set[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || light_count == 0) return sum;
     const struct light_visibility visibility = guide_visibility_at(g->visibility, p->interaction.p);

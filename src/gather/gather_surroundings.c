@@ -42,36 +42,36 @@ static void sectors(const struct gather_hemisphere *h, struct gather_surrounding
     }
 }
 
-// The standard deviation of E over E, from the spread of interleaved groups of rays. Deviation:
+// The standard deviation of E over E, from the spread of interleaved subsets of rays. Deviation:
 // [K05 6.4] compares every second ray with all of them, which is sometimes 0 by chance.
 static float deviation(const struct gather_hemisphere *h) {
     const struct gather_layout *l = h->layout;
-    enum { GROUPS = 8 };
-    double sum[GROUPS] = {0}, weight[GROUPS] = {0}, all = 0.0, total = 0.0, square = 0.0;
+    enum { SUBSETS = 8 };
+    double sum[SUBSETS] = {0}, weight[SUBSETS] = {0}, all = 0.0, total = 0.0, square = 0.0;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++) {
             size_t i = (size_t)(j * l->N + k);
             double w = l->order ? (double)h->z[i] : 1.0;
-            sum[(3 * j + k) % GROUPS] += w * (double)rgb_luminance(h->L[i]);
-            weight[(3 * j + k) % GROUPS] += w;
+            sum[(3 * j + k) % SUBSETS] += w * (double)rgb_luminance(h->L[i]);
+            weight[(3 * j + k) % SUBSETS] += w;
         }
     for (size_t i = h->stratified; i < h->count; i++) {
         double w = l->order ? (double)h->z[i] : 1.0;
-        sum[i % GROUPS] += w * (double)rgb_luminance(h->L[i]);
+        sum[i % SUBSETS] += w * (double)rgb_luminance(h->L[i]);
     }
-    for (int i = 0; i < GROUPS; i++) {
+    for (int i = 0; i < SUBSETS; i++) {
         all += sum[i];
         total += weight[i];
     }
     if (all == 0.0) return 0.0f;
-    int groups = 0;
-    for (int i = 0; i < GROUPS; i++) {
+    int subsets = 0;
+    for (int i = 0; i < SUBSETS; i++) {
         if (!(weight[i] > 0.0)) continue;
         double d = sum[i] / weight[i] * total / all - 1.0;
         square += d * d;
-        groups++;
+        subsets++;
     }
-    return groups > 1 ? (float)sqrt(square / (groups * (groups - 1))) : 0.0f;
+    return subsets > 1 ? (float)sqrt(square / (subsets * (subsets - 1))) : 0.0f;
 }
 
 // Adds the constant of a boundary, rotated from azimuth 0 to that of (cosine, sine), times

@@ -10,30 +10,30 @@
 #include "satin/options.h"
 #include "scene/scene.h"
 
-// ---- The view (guide_view.c) ------------------------------------------------------------------
+// ---- What is seen (guide_seen.c) ---------------------------------------------------------------
 
 // The points that are seen. The boxes hold all, nine tenths and half of them.
-enum { GUIDE_VIEW_BOXES = LIGHT_TARGETS / 2, GUIDE_VIEW_PATHS_MAX = 1024 };
-enum { GUIDE_VIEW_CHUNK = 16 };  // paths per chunk
-struct guide_view {
-    float ray_length;                // median length of gather rays; INFINITY if they hit nothing
-    int seen_count, specular_count;  // numbers of points; 0: there are no boxes
-    struct light_target seen[GUIDE_VIEW_BOXES], specular[GUIDE_VIEW_BOXES];
+enum { GUIDE_SEEN_BOXES = LIGHT_TARGETS / 2, GUIDE_SEEN_PATHS_MAX = 1024 };
+enum { GUIDE_SEEN_CHUNK = 16 };  // paths per chunk
+struct guide_seen {
+    float ray_length;           // median length of gather rays; INFINITY if they hit nothing
+    int count, specular_count;  // numbers of points; 0: there are no boxes
+    struct light_target box[GUIDE_SEEN_BOXES], specular_box[GUIDE_SEEN_BOXES];
 };
-// Follows this many paths from the cameras of the scene, at most GUIDE_VIEW_PATHS_MAX, on all
+// Follows this many paths from the cameras of the scene, at most GUIDE_SEEN_PATHS_MAX, on all
 // threads of the pool; a NULL pool is one thread. The result does not depend on their number.
-void guide_view_make(const struct satin_scene *scene, uint64_t seed, int paths,
-                     struct parallel *pool, struct guide_view *out);
+void guide_seen_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                     struct parallel *pool, struct guide_seen *out);
 // Follows the ray through ideal specular surfaces to one with a smooth lobe, whose normal is *n.
 // False if there is none. *ray becomes its last segment; *chain gets the surfaces without the
 // lengths.
-bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
+bool guide_seen_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
                        struct interaction *s, vec3 *n, struct light_chain *chain);
-// Does what guide_view_follow does, for the eye ray of path i, of one of the scene's cameras.
-bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
+// Does what guide_seen_follow does, for the eye ray of path i, of one of the scene's cameras.
+bool guide_seen_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n);
 // Aims at those boxes that are small compared to `all`, the box of everything that can be hit.
-void guide_view_aim(const struct guide_view *view, struct light_target all, struct light_aim *out);
+void guide_seen_aim(const struct guide_seen *seen, struct light_target all, struct light_aim *out);
 
 // ---- Paths of lights (guide_allocation.c) -----------------------------------------------------
 
@@ -44,7 +44,7 @@ struct guide_allocation {
     float fraction[GUIDE_ALLOCATION_LIGHTS];  // fraction of all paths, by light
 };
 // Allocates by the contribution of each light to the points that are seen. Paths and
-// threads as for guide_view_make.
+// threads as for guide_seen_make.
 void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, int paths,
                            struct parallel *pool, struct guide_allocation *out);
 
@@ -54,7 +54,7 @@ void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, int p
 struct guide_emission;
 struct guide_emission_request {
     const struct satin_scene *scene;
-    const struct guide_view *view;
+    const struct guide_seen *seen;
     uint64_t seed, paths;
 };
 // Finds by single rays which cells of each light's emission first hit a surface with a delta lobe.

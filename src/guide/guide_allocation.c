@@ -27,7 +27,7 @@ struct path_tally {
 struct tally_paths {
     const struct satin_scene *scene;
     uint64_t seed;
-    struct path_tally path[GUIDE_VIEW_PATHS_MAX];
+    struct path_tally path[GUIDE_SEEN_PATHS_MAX];
 };
 
 static void add_arrival(struct path_tally *tally, uint32_t light, float E) {
@@ -68,7 +68,7 @@ static void walk_path(struct path_tally *tally, const struct satin_scene *scene,
         const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));
         struct ray ray = scene_spawn(scene, s.p, s.ng, d);
         struct light_chain chain;
-        const bool found = guide_view_follow(scene, &ray, rng, &s, &n, &chain);
+        const bool found = guide_seen_follow(scene, &ray, rng, &s, &n, &chain);
         if (!light_chain_straight(&chain, ray.d)) add_met(tally, scene, &ray, found ? &s : NULL, T);
         if (!found) return;
         add_direct(tally, scene, &s, n, T, rng);
@@ -87,7 +87,7 @@ static void trace_allocation(void *ctx, size_t begin, size_t end, int worker) {
         struct rng rng = rng_make(paths->seed, RNG_ALLOCATION, i);
         struct interaction s;
         vec3 n;
-        if (guide_view_eye(paths->scene, (uint32_t)i, &rng, &s, &n))
+        if (guide_seen_eye(paths->scene, (uint32_t)i, &rng, &s, &n))
             walk_path(&paths->path[i], paths->scene, s, n, &rng);
     }
 }
@@ -99,7 +99,7 @@ void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, int p
     out->by_power = true;
     // With more lights than this the allocation would be mostly noise.
     if (scene->light_count < 2 || scene->light_count > GUIDE_ALLOCATION_LIGHTS) return;
-    parallel_for_all(pool, (size_t)paths, GUIDE_VIEW_CHUNK, trace_allocation, &traced);
+    parallel_for_all(pool, (size_t)paths, GUIDE_SEEN_CHUNK, trace_allocation, &traced);
     for (int i = 0; i < paths; i++)
         for (int k = 0; k < traced.path[i].count; k++)
             light[traced.path[i].found[k].light] += (double)traced.path[i].found[k].E;

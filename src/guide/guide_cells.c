@@ -20,7 +20,7 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
     struct interaction s;
     vec3 n;
     size_t count = 0;
-    bool found = guide_view_eye(scene, i, &rng, &s, &n);
+    bool found = guide_seen_eye(scene, i, &rng, &s, &n);
     while (found) {
         bool through = scene_material_transmits(&scene->material[s.material], s.light >= 0);
         out[count] = (struct guide_cell_point){s.p, s.ng, n, through};
@@ -30,7 +30,7 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
         struct ray ray =
             scene_spawn(scene, s.p, s.ng, frame_to_world(&frame, sample_cosine_hemisphere(u, v)));
         struct light_chain chain;
-        found = guide_view_follow(scene, &ray, &rng, &s, &n, &chain);
+        found = guide_seen_follow(scene, &ray, &rng, &s, &n, &chain);
     }
     return count;
 }
@@ -56,7 +56,7 @@ static size_t find_points(const struct satin_scene *scene, uint64_t seed, size_t
                           struct parallel *pool, struct guide_cell_point *point, size_t *count) {
     struct cell_paths traced = {.scene = scene, .seed = seed, .point = point, .count = count};
     size_t points = 0;
-    parallel_for_all(pool, paths, GUIDE_VIEW_CHUNK, trace_cells, &traced);
+    parallel_for_all(pool, paths, GUIDE_SEEN_CHUNK, trace_cells, &traced);
     for (size_t i = 0; i < paths; i++)
         for (size_t k = 0; k < count[i]; k++) point[points++] = point[i * POINTS_PATH + k];
     return points;

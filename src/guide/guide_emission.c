@@ -6,7 +6,7 @@
 // equal power. The other cells get some paths too, which keeps the estimate unbiased. Light from
 // infinity is aimed at the box of the surfaces with delta lobes, which misses none of them. If that
 // box is large, as with a pane of glass in front of everything that is seen, light is aimed at what
-// is seen (guide_view.c).
+// is seen (guide_seen.c).
 #include <stdlib.h>
 
 #include "base/sampling.h"
@@ -177,7 +177,7 @@ static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t pat
         double power = scene->light[i].power, fraction = power / all;
         if (kept > 0.0) fraction = 0.9 * power * cells->kept / cells->total / kept + 0.1 * fraction;
         uint64_t n = (uint64_t)llround(fraction * (double)paths);
-        cells->paths = n > 16 ? n : 16;  // so that both groups of cells get paths
+        cells->paths = n > 16 ? n : 16;  // for cells that are kept and for others
     }
 }
 
@@ -219,7 +219,7 @@ satin_status guide_emission_build(const struct guide_emission_request *request,
     struct guide_emission *emission = emission_new(scene);
     uint8_t *met = malloc(LIGHT_CELLS_MAX);
     if (!emission || !met) status = SATIN_ERROR_MEMORY;
-    if (emission) guide_view_aim(request->view, target, &emission->aim);
+    if (emission) guide_seen_aim(request->seen, target, &emission->aim);
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
         struct emission_pilot pilot = {scene, emission, request->seed, i, met};
         for (int c = 0; c < LIGHT_CELLS_MAX; c++) met[c] = 0;

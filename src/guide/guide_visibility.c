@@ -14,8 +14,8 @@
 
 enum {
     LIGHT_RAYS = 32,  // rays from a cell to each light
-    // Groups of cells, which find out which bins are open.
-    GUIDE_GROUPS = 32,
+    // Ranges of consecutive cells, which find out which bins are open.
+    GUIDE_RANGES = 32,
     // The largest number of bins through which cells trace all rays. 512 leave 1.08 times the
     // variance of direct light in a room with windows, for .64 times the CPU time.
     OPEN_BINS = 1024,
@@ -43,13 +43,13 @@ struct learning {
     uint64_t seed;
     int rays;  // rays per bin
     struct guide_visibility *visibility;
-    size_t cells, groups;
+    size_t cells, ranges;
     // The sum of what rays have found, later its mean, and their number: for cell c and bin b at b
-    // + bins c, and for group g at cells + g instead of c.
+    // + bins c, and for range g at cells + g instead of c.
     float *square;
     uint8_t *traced;
-    // For each group the fraction of the environment that points face but do not see.
-    float hidden[GUIDE_GROUPS];
+    // For each range the fraction of the environment that points face but do not see.
+    float hidden[GUIDE_RANGES];
     bool *open;  // for each bin, whether cells trace rays through it
 };
 
@@ -88,30 +88,30 @@ static void trace_bin(struct learning *l, size_t i, const struct guide_cell *cel
     l->traced[learned_at(i, (size_t)bin)] = (uint8_t)rays;
 }
 
-// The points of the cells of group g, which are consecutive.
-static struct guide_cell group_points(const struct learning *l, size_t g) {
-    const size_t each = l->cells / l->groups;
+// The points of the cells of range g.
+static struct guide_cell range_points(const struct learning *l, size_t g) {
+    const size_t each = l->cells / l->ranges;
     struct guide_cell all = {l->visibility->cells.cell[g * each].point, 0};
     for (size_t i = 0; i < each; i++) all.count += l->visibility->cells.cell[g * each + i].count;
     return all;
 }
 
-static void trace_group(struct learning *l, size_t g, struct rng *rng) {
-    const struct guide_cell points = group_points(l, g);
+static void trace_range(struct learning *l, size_t g, struct rng *rng) {
+    const struct guide_cell points = range_points(l, g);
     struct sky_tally tally = {0.0f, 0.0f};
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         trace_bin(l, l->cells + g, &points, bin, l->rays, rng, &tally);
     l->hidden[g] = tally.visible > 0.0f ? 1.0f - tally.visible / tally.facing : 1.0f;
 }
 
-// Finds the bins in which some group has found the environment, and those beside them.
+// Finds the bins in which some range has found the environment, and those beside them.
 static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
     struct learning *l = ctx;
     (void)worker;
     for (size_t bin = begin; bin < end; bin++) {
         int around[9];
         for (int i = light_box_around((int)bin, around); i-- > 0;)
-            for (size_t g = 0; g < l->groups; g++)
+            for (size_t g = 0; g < l->ranges; g++)
                 l->open[bin] |= l->square[learned_at(l->cells + g, (size_t)around[i])] > 0.0f;
     }
 }
@@ -147,10 +147,10 @@ static void mean_squares(void *ctx, size_t begin, size_t end, int worker) {
         for (size_t n = cells - 1; n-- > 0;) {
             sum[n] = sum[2 * n + 1] + sum[2 * n + 2];
             rays[n] = rays[2 * n + 1] + rays[2 * n + 2];
-            if (n + 1 < l->groups || n + 1 >= 2 * l->groups) continue;
-            const size_t group = learned_at(cells + n + 1 - l->groups, bin);
-            sum[n] += l->square[group];
-            rays[n] += (float)l->traced[group];
+            if (n + 1 < l->ranges || n + 1 >= 2 * l->ranges) continue;
+            const size_t range = learned_at(cells + n + 1 - l->ranges, bin);
+            sum[n] += l->square[range];
+            rays[n] += (float)l->traced[range];
         }
         sum[0] = rays[0] > 0.0f ? sum[0] / rays[0] : 0.0f;
         for (size_t n = 1; n < 2 * cells - 1; n++)
@@ -184,7 +184,7 @@ static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
         }
         light_bins_build(weight, &visibility->bins[i]);
         const float hidden =
-            light->kind == LIGHT_CONSTANT ? 1.0f : l->hidden[i / (l->cells / l->groups)];
+            light->kind == LIGHT_CONSTANT ? 1.0f : l->hidden[i / (l->cells / l->ranges)];
         visibility->histogram[i] =
             (struct light_histogram){FRACTION * hidden, &visibility->bins[i], &visibility->box};
     }
@@ -225,12 +225,12 @@ static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
 
 // ---- The whole --------------------------------------------------------------------------------
 
-static void trace_group_bins(void *ctx, size_t begin, size_t end, int worker) {
+static void trace_range_bins(void *ctx, size_t begin, size_t end, int worker) {
     struct learning *l = ctx;
     (void)worker;
     for (size_t g = begin; g < end; g++) {
         struct rng rng = rng_make(l->seed, RNG_VISIBILITY, 2 * l->cells + g);
-        trace_group(l, g, &rng);
+        trace_range(l, g, &rng);
     }
 }
 
@@ -244,14 +244,14 @@ static void trace_cell_bins(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 static satin_status learn_sky(struct learning *l, struct parallel *pool) {
-    const size_t all = (l->cells + l->groups) * LIGHT_HISTOGRAM_BINS;
+    const size_t all = (l->cells + l->ranges) * LIGHT_HISTOGRAM_BINS;
     satin_status status = SATIN_ERROR_MEMORY;
     l->square = array_new(all, sizeof *l->square);
     l->traced = array_new(all, sizeof *l->traced);
     l->open = array_new(LIGHT_HISTOGRAM_BINS, sizeof *l->open);
     if (l->square && l->traced && l->open) {
         const size_t first = l->cells * LIGHT_HISTOGRAM_BINS;
-        const struct parallel_results groups = {
+        const struct parallel_results ranges = {
             .slot = {{l->square + first, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
                      {l->traced + first, LIGHT_HISTOGRAM_BINS * sizeof *l->traced},
                      {l->hidden, sizeof *l->hidden}},
@@ -262,7 +262,7 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
             .journaled = true};
         const bool done =
             guide_box_find(l->scene, l->seed, &l->visibility->cells, pool, &l->visibility->box) &&
-            parallel_for_results(pool, l->groups, 1, trace_group_bins, l, &groups) &&
+            parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
             parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, find_open_bins, l) &&
             parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
             parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
@@ -323,7 +323,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
                                 .rays = samples.bin_rays,
                                 .visibility = visibility,
                                 .cells = cells,
-                                .groups = cells < GUIDE_GROUPS ? cells : GUIDE_GROUPS};
+                                .ranges = cells < GUIDE_RANGES ? cells : GUIDE_RANGES};
     const satin_status status = cells > 0 ? learn(&learning, pool) : SATIN_OK;
     free(visibility->cells.point);
     visibility->cells.point = NULL;
@@ -346,7 +346,7 @@ struct light_visibility guide_visibility_at(const struct guide_visibility *visib
 double guide_visibility_most(const struct satin_scene *scene) {
     const struct guide_visibility *v = NULL;
     const struct learning *l = NULL;
-    const double bins = (double)(GUIDE_CELLS_MAX + GUIDE_GROUPS) * LIGHT_HISTOGRAM_BINS;
+    const double bins = (double)(GUIDE_CELLS_MAX + GUIDE_RANGES) * LIGHT_HISTOGRAM_BINS;
     if (scene->environment >= 0)
         return sizeof *v + bins * (double)(sizeof *l->square + sizeof *l->traced);
     return has_choice(scene) ? (double)(sizeof *v - sizeof v->histogram - sizeof v->bins) : 0.0;

@@ -36,7 +36,7 @@ static inline size_t guide_cells_count(const struct guide_cells *cells) {
     return (size_t)1 << cells->depth;
 }
 // Makes the cells from this many paths, without points if paths from the eye hit nothing. False if
-// there is no memory. The caller frees `point`. Threads as for guide_view_make.
+// there is no memory. The caller frees `point`. Threads as for guide_seen_make.
 bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, int paths,
                       struct parallel *pool, struct guide_cells *out);
 // The index of the cell of p.

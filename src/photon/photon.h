@@ -23,7 +23,7 @@ struct photon_maps;
 // The numbers of light paths by what their photons are for, and of paths from the eye that show
 // what is seen and how to allocate the others (render_budget.h).
 struct photon_paths {
-    int view;           // at least 1 and at most GUIDE_VIEW_PATHS_MAX
+    int seen;           // at least 1 and at most GUIDE_SEEN_PATHS_MAX
     uint64_t global;    // the global map
     uint64_t clusters;  // the search for photon clusters; 0: there are no clusters
     uint64_t direct;    // direct photons, which show lit patches between the entries of irradiance
@@ -130,30 +130,29 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
                               vec3 p, vec3 n, struct photon_other_light other);
 
-// ---- Progressive photon mapping (photon_progressive.c) ------------------------------------------
+// ---- Progressive photon mapping (photon_sppm.c) ------------------------------------------
 
 // The photons of the present pass, and the radii of the first one.
-struct photon_progressive;
+struct photon_sppm;
 // Traces the photons from which the radii are found. No pass has begun. Statistics and errors as of
 // photon_maps_build; the request must outlive *out, which the caller frees.
-satin_status photon_progressive_new(const struct photon_request *request, struct parallel *pool,
-                                    struct log log, struct stats *stats,
-                                    struct photon_progressive **out);
-void photon_progressive_free(struct photon_progressive *progressive);  // NULL is allowed
+satin_status photon_sppm_new(const struct photon_request *request, struct parallel *pool,
+                             struct log log, struct stats *stats, struct photon_sppm **out);
+void photon_sppm_free(struct photon_sppm *sppm);  // NULL is allowed
 // Lets the next pass be the one after so many more, whose photons are not traced.
-void photon_progressive_skip(struct photon_progressive *progressive, uint32_t passes);
+void photon_sppm_skip(struct photon_sppm *sppm, uint32_t passes);
 // Replaces the photons by those of the next pass, which have smaller radii. On failure,
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY, the present pass remains.
-satin_status photon_progressive_next(struct photon_progressive *progressive, struct parallel *pool,
-                                     struct log log, struct stats *stats);
+satin_status photon_sppm_next(struct photon_sppm *sppm, struct parallel *pool, struct log log,
+                              struct stats *stats);
 // The radiance that the point reflects of the photons, which are all light except direct light; a
 // direction from which a glossy lobe reflects too sharply is left out. `depth` is the number of
 // path segments from the eye to the point.
-rgb photon_progressive_radiance(const struct photon_progressive *progressive,
-                                const struct shading_point *point, int depth);
+rgb photon_sppm_radiance(const struct photon_sppm *sppm, const struct shading_point *point,
+                         int depth);
 // The part of a sample's weight that is left out there: by it a path carries light that is not
 // direct.
-rgb photon_progressive_rest(const struct shading_point *point, const struct brdf_sample *sample);
+rgb photon_sppm_rest(const struct shading_point *point, const struct brdf_sample *sample);
 
 // The photon clusters, owned by the maps; NULL if there are none. `maps` may be NULL.
 const struct guide_clusters *photon_clusters(const struct photon_maps *maps);

@@ -17,7 +17,7 @@
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
 enum { BISECTIONS = 5, AREA_STEPS = 4 };
 
-struct probe {
+struct raised_disc {
     const struct satin_scene *scene;
     vec3 origin, n;  // origin is above the centre
     float height, r;
@@ -29,37 +29,38 @@ static float clear_distance(const struct satin_scene *scene, vec3 o, vec3 d, flo
 }
 
 // Whether a surface of the same orientation is below the point `t` along w.
-static bool surface_below(const struct probe *probe, vec3 w, float t) {
-    struct ray ray = {v3_mad(probe->origin, t, w), 0.0f, v3_neg(probe->n),
-                      probe->height + DEPTH * probe->r};
+static bool surface_below(const struct raised_disc *disc, vec3 w, float t) {
+    struct ray ray = {v3_mad(disc->origin, t, w), 0.0f, v3_neg(disc->n),
+                      disc->height + DEPTH * disc->r};
     struct interaction s;
-    if (!scene_intersect_whole(probe->scene, &ray, &s)) return false;
-    return fabsf(v3_dot(s.ng, probe->n)) > PHOTON_FACING;
+    if (!scene_intersect_whole(disc->scene, &ray, &s)) return false;
+    return fabsf(v3_dot(s.ng, disc->n)) > PHOTON_FACING;
 }
 
 // How far the surface extends along w, in units of r; beyond 1 it is the distance to a wall.
-static float extent(const struct probe *probe, vec3 w) {
-    float wall = clear_distance(probe->scene, probe->origin, w, 1.5f * probe->r);
+static float extent(const struct raised_disc *disc, vec3 w) {
+    float wall = clear_distance(disc->scene, disc->origin, w, 1.5f * disc->r);
     // A little before the wall or the disc's boundary, so that the ray downwards does not hit the
     // wall itself.
-    float hi = 0.98f * fminf(wall, probe->r), lo = 0.0f;
-    if (surface_below(probe, w, hi)) return wall / probe->r;
+    float hi = 0.98f * fminf(wall, disc->r), lo = 0.0f;
+    if (surface_below(disc, w, hi)) return wall / disc->r;
     for (int i = 0; i < BISECTIONS; i++) {
         float middle = 0.5f * (lo + hi);
-        if (surface_below(probe, w, middle))
+        if (surface_below(disc, w, middle))
             lo = middle;
         else
             hi = middle;
     }
-    return 0.5f * (lo + hi) / probe->r;
+    return 0.5f * (lo + hi) / disc->r;
 }
 
-static struct probe probe_make(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
+static struct raised_disc raised_disc_make(const struct satin_scene *scene, vec3 p, vec3 n,
+                                           float r) {
     struct ray up = scene_spawn(scene, p, n, n);
     // In a gap lower than that, rays are at half its height.
     float height = AREA_HEIGHT * r, clearance = clear_distance(scene, up.o, n, 2.0f * height);
     if (clearance < 2.0f * height) height = 0.5f * clearance;
-    return (struct probe){scene, v3_mad(up.o, height, n), n, height, r};
+    return (struct raised_disc){scene, v3_mad(up.o, height, n), n, height, r};
 }
 
 void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
@@ -67,11 +68,11 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
     out->frame = frame_from_normal(n);
     out->rotation = (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
     out->whole_disc = true;
-    struct probe probe = probe_make(scene, p, n, r);
+    struct raised_disc disc = raised_disc_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
         float phi = out->rotation + (float)i * SECTOR;
         vec3 w = frame_to_world(&out->frame, v3(cosf(phi), sinf(phi), 0.0f));
-        float e = extent(&probe, w);
+        float e = extent(&disc, w);
         out->inverse[i] = 1.0f / fmaxf(e, EXTENT_MIN);
         if (e < 1.0f) out->whole_disc = false;
     }
@@ -79,12 +80,12 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
 
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
     struct frame frame = frame_from_normal(n);
-    struct probe probe = probe_make(scene, p, n, r);
+    struct raised_disc disc = raised_disc_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
         // Directions far apart first, so that an edge is found soon.
         float phi = (float)(i * 7 % AREA_SECTORS) * SECTOR;
         vec3 w = frame_to_world(&frame, v3(cosf(phi), sinf(phi), 0.0f));
-        if (clear_distance(scene, probe.origin, w, r) < r || !surface_below(&probe, w, 0.98f * r))
+        if (clear_distance(scene, disc.origin, w, r) < r || !surface_below(&disc, w, 0.98f * r))
             return false;
     }
     return true;

@@ -60,11 +60,11 @@ struct estimating {
 };
 
 // Finds a position on the surface around an entry and visible from it. False if there is none.
-static bool find_position(const struct estimating *job, size_t site, vec3 *p, vec3 *n) {
-    const struct photon_irradiance *r = job->irradiance;
-    const struct satin_scene *scene = job->what->scene;
+static bool find_position(const struct estimating *loop, size_t site, vec3 *p, vec3 *n) {
+    const struct photon_irradiance *r = loop->irradiance;
+    const struct satin_scene *scene = loop->what->scene;
     const size_t entry = site * STRIDE;
-    *n = photon_unpack(job->what->map->photon[entry * job->what->stride].n);
+    *n = photon_unpack(loop->what->map->photon[entry * loop->what->stride].n);
     const struct frame frame = frame_from_normal(*n);
     struct rng rng = rng_make(0, RNG_SMOOTH, site);
     const float rotation = 2.0f * PI_F * rng_float(&rng);
@@ -82,12 +82,12 @@ static bool find_position(const struct estimating *job, size_t site, vec3 *p, ve
 }
 
 // Computes the value of a site; its noise is negative if there is no site.
-static void estimate_site(const struct estimating *job, size_t site, int *row, float *distance2) {
-    const struct photon_precompute *what = job->what;
-    struct photon_sites *sites = job->sites;
+static void estimate_site(const struct estimating *loop, size_t site, int *row, float *distance2) {
+    const struct photon_precompute *what = loop->what;
+    struct photon_sites *sites = loop->sites;
     vec3 p, n;
     sites->noise[site] = -1.0f;
-    if (!find_position(job, site, &p, &n)) return;
+    if (!find_position(loop, site, &p, &n)) return;
     const struct photon_query query = {what->map,
                                        what->scene,
                                        p,
@@ -111,13 +111,13 @@ static void estimate_site(const struct estimating *job, size_t site, int *row, f
 
 static void estimate_sites(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
-    struct estimating *job = ctx;
-    const size_t k = (size_t)job->what->k;
+    struct estimating *loop = ctx;
+    const size_t k = (size_t)loop->what->k;
     int *row = malloc(k * sizeof *row);
     float *distance2 = malloc(k * sizeof *distance2);
-    if (!row || !distance2) atomic_store(&job->failed, true);
-    for (size_t i = begin; i < end && !atomic_load(&job->failed); i++)
-        estimate_site(job, i, row, distance2);
+    if (!row || !distance2) atomic_store(&loop->failed, true);
+    for (size_t i = begin; i < end && !atomic_load(&loop->failed); i++)
+        estimate_site(loop, i, row, distance2);
     free(row);
     free(distance2);
 }
@@ -190,11 +190,11 @@ satin_status photon_caustic_smooth(const struct photon_precompute *what, struct 
     struct photon_sites sites;
     satin_status status = SATIN_ERROR_MEMORY;
     if (sites_make(count, irradiance->position.scale, &sites)) {
-        struct estimating job = {.what = what, .irradiance = irradiance, .sites = &sites};
-        atomic_init(&job.failed, false);
-        if (!parallel_for(pool, count, SMOOTH_CHUNK, estimate_sites, &job))
+        struct estimating loop = {.what = what, .irradiance = irradiance, .sites = &sites};
+        atomic_init(&loop.failed, false);
+        if (!parallel_for(pool, count, SMOOTH_CHUNK, estimate_sites, &loop))
             status = SATIN_CANCELLED;
-        else if (!atomic_load(&job.failed))
+        else if (!atomic_load(&loop.failed))
             status = SATIN_OK;
     }
     if (status == SATIN_OK) {

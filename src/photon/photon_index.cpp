@@ -48,11 +48,9 @@ enum {
     CELL_ROWS = 2048
 };
 
-typedef photon_index_node Node;
-
 struct Tree {
     float low[PHOTON_INDEX_COLUMNS], high[PHOTON_INDEX_COLUMNS];  // bounds of the rows
-    std::vector<Node> node;
+    std::vector<photon_index_node> node;
     std::vector<int> row;  // in the tree's order
 };
 
@@ -131,7 +129,7 @@ void Reader::add(bool leaf) {
         tree_.node[open_.back()].second = at;
         open_.pop_back();
     }
-    Node node = {leaf ? -1 : number_[2], 0, {limit_[0]}, {limit_[1]}};
+    photon_index_node node = {leaf ? -1 : number_[2], 0, {limit_[0]}, {limit_[1]}};
     if (leaf) {
         node.begin = number_[0];
         node.end = number_[1];
@@ -181,7 +179,8 @@ void build_cells(void *ctx, size_t begin, size_t end, int) {
 
 // Copies the rows of a leaf of the cell from row `first` on, column by column.
 template <size_t N>
-void copy_leaf(photon_index &index, const float *data, size_t first, const Node &leaf) {
+void copy_leaf(photon_index &index, const float *data, size_t first,
+               const photon_index_node &leaf) {
     const size_t begin = first + static_cast<size_t>(leaf.begin);
     const size_t count = static_cast<size_t>(leaf.end - leaf.begin);
     float *out = index.data + begin * N;
@@ -198,8 +197,8 @@ void join_cells(void *ctx, size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; i++) {
         Cell &cell = b.cell[i];
         const int shift = static_cast<int>(cell.begin);
-        Node *to = index.node + cell.first_node;
-        for (Node node : cell.tree.node) {
+        photon_index_node *to = index.node + cell.first_node;
+        for (photon_index_node node : cell.tree.node) {
             if (node.column < 0) {
                 node.begin += shift;
                 node.end += shift;
@@ -210,7 +209,7 @@ void join_cells(void *ctx, size_t begin, size_t end, int) {
         }
         size_t at = cell.begin;
         for (int from : cell.tree.row) index.row[at++] = shift + from;
-        for (const Node &node : cell.tree.node)
+        for (const photon_index_node &node : cell.tree.node)
             if (node.column < 0) copy_leaf<N>(index, b.data, cell.begin, node);
         cell.tree = Tree();
     }
@@ -235,7 +234,7 @@ Box lay_out(Building &b, const photon_morton_tree &top, size_t at, size_t *cell,
         std::copy(here.tree.high, here.tree.high + N, box.high);
         return box;
     }
-    Node &out = b.index->node[(*next)++];
+    photon_index_node &out = b.index->node[(*next)++];
     box = lay_out<N>(b, top, at + 1, cell, next);
     out.column = node.column;
     out.low = box.high[node.column];
@@ -264,7 +263,7 @@ bool build_arrays(photon_index &index, const float *data, const photon_morton_tr
     if (!parallel_for(pool, b.cell.size(), 1, build_cells<N>, &b) || b.failed) return false;
     index.nodes = top.count - top.cells;
     for (const Cell &cell : b.cell) index.nodes += cell.tree.node.size();
-    index.node = allocate_array<Node>(index.nodes);
+    index.node = allocate_array<photon_index_node>(index.nodes);
     index.row = allocate_array<int>(index.rows);
     index.data = allocate_array<float>(index.rows * N + PHOTON_INDEX_LANES);
     if (!index.node || !index.row || !index.data) return false;
@@ -314,6 +313,6 @@ void photon_index_free(struct photon_index *index) {
 
 size_t photon_index_bytes(const struct photon_index *index) {
     if (!index) return 0;
-    return sizeof *index + index->nodes * sizeof(Node) +
+    return sizeof *index + index->nodes * sizeof(photon_index_node) +
            index->rows * (sizeof(int) + index->columns * sizeof(float));
 }

@@ -15,8 +15,6 @@ extern "C" {
 
 namespace {
 
-typedef photon_index_node Node;
-
 enum {
     SEARCHES = 8,       // queries that descend together
     LINE = 16,          // floats of a cache line
@@ -107,7 +105,7 @@ struct Search {
 template <size_t N, typename Found>
 bool step_down(const photon_index &index, Search<N, Found> &s) {
     Subtree<N> &here = s.here;
-    const Node &node = index.node[here.at];
+    const photon_index_node &node = index.node[here.at];
     if (node.column < 0 || s.others == SUBTREES_MOST) return false;
     const float value = s.query[node.column], low = node.low, high = node.high;
     const bool first = (value - low) + (value - high) < 0.0f;
@@ -124,7 +122,8 @@ bool step_down(const photon_index &index, Search<N, Found> &s) {
 }
 
 template <size_t N, typename Found>
-void visit_leaf(const photon_index &index, const float *query, const Node &leaf, Found &found) {
+void visit_leaf(const photon_index &index, const float *query, const photon_index_node &leaf,
+                Found &found) {
     const float worst = found.worst();
     const size_t begin = static_cast<size_t>(leaf.begin);
     const size_t count = static_cast<size_t>(leaf.end - leaf.begin);
@@ -151,7 +150,7 @@ void visit_subtree(const photon_index &index, Search<N, Found> &s);
 template <size_t N, typename Found>
 void finish_search(const photon_index &index, Search<N, Found> &s) {
     for (;;) {
-        const Node &node = index.node[s.here.at];
+        const photon_index_node &node = index.node[s.here.at];
         if (node.column < 0) {
             visit_leaf<N>(index, s.query, node, s.found);
         } else {
@@ -204,7 +203,7 @@ int find_few(const photon_index &index, const float *query, int k, float far2, i
 }
 
 template <size_t N>
-void prefetch_leaf(const photon_index &index, const Node &leaf) {
+void prefetch_leaf(const photon_index &index, const photon_index_node &leaf) {
     if (leaf.column >= 0) return;
     const size_t begin = static_cast<size_t>(leaf.begin), end = static_cast<size_t>(leaf.end);
     for (size_t i = begin * N; i < end * N; i += LINE) __builtin_prefetch(index.data + i);
@@ -249,11 +248,11 @@ void photon_index_nearest(const struct photon_index *index, const float *query, 
     const size_t step = k == 1 ? SEARCHES : 1;
     for (size_t i = 0; i < count;
          i += step, query += step * columns, row += step * k, distance2 += step * k) {
-        const size_t group = std::min(step, count - i);
+        const size_t now = std::min(step, count - i);
         if (k == 1 && columns == 3)
-            find_nearest<3>(*index, query, group, far2, row, distance2);
+            find_nearest<3>(*index, query, now, far2, row, distance2);
         else if (k == 1)
-            find_nearest<6>(*index, query, group, far2, row, distance2);
+            find_nearest<6>(*index, query, now, far2, row, distance2);
         else if (!finite(query, columns))
             continue;
         else if (columns == 3)

@@ -26,7 +26,7 @@
 
 enum {
     IRRADIANCE_CHUNK = 256,  // entries of a chunk
-    GROUP = 8,               // of these, entries that are searched and evaluated together
+    TOGETHER = 8,            // of these, entries that are searched and evaluated together
     IRRADIANCE_BATCH = 512,  // lookups of one call
     RETRY_K = 16,   // neighbours that are searched if the nearest one has another orientation
     RETRY_ENDS = 4  // number of those in caustics, where entries are mostly on other surfaces then
@@ -39,7 +39,7 @@ enum {
 #define FADE 6.0f
 #define CLEARING 2.5f  // radius of a clearing over that of a disc
 
-struct precompute_job {
+struct precompute_loop {
     const struct photon_precompute *what;
     struct photon_irradiance *out;
     uint8_t *refused;  // by entry: whether its estimate is not finite
@@ -64,7 +64,7 @@ struct clearing {
     float radius;
 };
 
-// Far from edges, one clearing is found for a group of entries, which are neighbours in Morton
+// Far from edges, one clearing is found for TOGETHER entries, which are neighbours in Morton
 // order, and saves their rays.
 static struct clearing find_clearing(const struct photon_precompute *what, size_t entry,
                                      const int *row, const float *distance2) {
@@ -78,10 +78,10 @@ static struct clearing find_clearing(const struct photon_precompute *what, size_
     return clearing;
 }
 
-static void precompute_one(struct precompute_job *job, size_t entry,
+static void precompute_one(struct precompute_loop *loop, size_t entry,
                            const struct clearing *clearing, const int *row,
                            const float *distance2) {
-    const struct photon_precompute *what = job->what;
+    const struct photon_precompute *what = loop->what;
     struct photon_query query = query_of(what, entry);
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
@@ -94,24 +94,24 @@ static void precompute_one(struct precompute_job *job, size_t entry,
     const rgb E = photon_disc_irradiance(&disc);
     // If the map has fewer than k photons, the radius is infinite and the estimate not reliable.
     const bool valid = rgb_finite(E) && disc.r >= 0.0f;
-    job->refused[entry] = !valid;
-    job->out->E[entry] = valid ? E : rgb_grey(0.0f);
-    if (job->out->last) job->out->last[entry] = valid ? photon_disc_last(&disc) : rgb_grey(0.0f);
-    job->out->radius[entry] = valid ? disc.r : INFINITY;
-    job->out->position.clear[entry] = photon_disc_clear(&disc);
+    loop->refused[entry] = !valid;
+    loop->out->E[entry] = valid ? E : rgb_grey(0.0f);
+    if (loop->out->last) loop->out->last[entry] = valid ? photon_disc_last(&disc) : rgb_grey(0.0f);
+    loop->out->radius[entry] = valid ? disc.r : INFINITY;
+    loop->out->position.clear[entry] = photon_disc_clear(&disc);
 }
 
 static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
-    struct precompute_job *job = ctx;
-    const struct photon_precompute *what = job->what;
-    const size_t k = (size_t)what->k * (job->out->ring ? 2 : 1);
-    int *row = malloc(GROUP * k * sizeof *row);
-    float *distance2 = malloc(GROUP * k * sizeof *distance2);
-    if (!row || !distance2) atomic_store(&job->failed, true);
-    for (size_t at = begin; at < end && !atomic_load(&job->failed); at += GROUP) {
-        size_t n = end - at < GROUP ? end - at : GROUP, middle = n / 2;
-        float query[3 * GROUP];
+    struct precompute_loop *loop = ctx;
+    const struct photon_precompute *what = loop->what;
+    const size_t k = (size_t)what->k * (loop->out->ring ? 2 : 1);
+    int *row = malloc(TOGETHER * k * sizeof *row);
+    float *distance2 = malloc(TOGETHER * k * sizeof *distance2);
+    if (!row || !distance2) atomic_store(&loop->failed, true);
+    for (size_t at = begin; at < end && !atomic_load(&loop->failed); at += TOGETHER) {
+        size_t n = end - at < TOGETHER ? end - at : TOGETHER, middle = n / 2;
+        float query[3 * TOGETHER];
         for (size_t i = 0; i < n; i++) {
             vec3 p = photon_position(what->map, (at + i) * what->stride);
             query[3 * i] = p.x;
@@ -120,12 +120,12 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
         }
         photon_index_nearest(what->map->index, query, n, (int)k, photon_map_far2(what->map), row,
                              distance2);
-        for (size_t i = 0; job->out->ring && i < n; i++)
-            job->out->ring[at + i] = photon_ring_radius(row + i * k, distance2 + i * k, what->k);
+        for (size_t i = 0; loop->out->ring && i < n; i++)
+            loop->out->ring[at + i] = photon_ring_radius(row + i * k, distance2 + i * k, what->k);
         struct clearing clearing =
             find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
-            precompute_one(job, at + i, &clearing, row + i * k, distance2 + i * k);
+            precompute_one(loop, at + i, &clearing, row + i * k, distance2 + i * k);
     }
     free(row);
     free(distance2);
@@ -171,22 +171,22 @@ static float far_of(const struct photon_precompute *what, const struct photon_ir
 
 // Computes the rows of the index, once their scale is known.
 static void set_rows(void *ctx, size_t begin, size_t end, int worker) {
-    struct precompute_job *job = ctx;
+    struct precompute_loop *loop = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct photon_query at = query_of(job->what, i);
-        photon_entry_position_set(&job->out->position, i, at.p, at.n);
+        struct photon_query at = query_of(loop->what, i);
+        photon_entry_position_set(&loop->out->position, i, at.p, at.n);
     }
 }
 
 // Builds the index of the rows. False if there is no memory or the pool was cancelled.
 static bool index_rows(const struct photon_precompute *what, struct parallel *pool,
                        struct photon_irradiance *r) {
-    struct precompute_job job = {.what = what, .out = r};
+    struct precompute_loop loop = {.what = what, .out = r};
     parallel_begin_part(pool, "index");
     r->position.scale = normal_scale(r, what->scene);
     r->far2 = far_of(what, r);
-    if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, set_rows, &job)) return false;
+    if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, set_rows, &loop)) return false;
     r->index = photon_index_new(r->position.row, r->count, 6, &what->map->morton, pool);
     return r->index != NULL;
 }
@@ -197,8 +197,8 @@ static satin_status precompute_entries(const struct photon_precompute *what, str
     const struct photon_map *map = what->map;
     uint8_t *refused = array_new(r->count, 1);
     if (!refused) return SATIN_ERROR_MEMORY;
-    struct precompute_job job = {.what = what, .out = r, .refused = refused};
-    atomic_init(&job.failed, false);
+    struct precompute_loop loop = {.what = what, .out = r, .refused = refused};
+    atomic_init(&loop.failed, false);
     const struct parallel_results entries = {
         .slot = {{map->whole_disc, 1},
                  {r->E, sizeof *r->E},
@@ -209,9 +209,9 @@ static satin_status precompute_entries(const struct photon_precompute *what, str
                  {refused, 1}},
         .journaled = true};
     satin_status status = SATIN_OK;
-    if (!parallel_for_results(pool, r->count, IRRADIANCE_CHUNK, precompute_chunk, &job, &entries))
+    if (!parallel_for_results(pool, r->count, IRRADIANCE_CHUNK, precompute_chunk, &loop, &entries))
         status = SATIN_CANCELLED;
-    else if (atomic_load(&job.failed))
+    else if (atomic_load(&loop.failed))
         status = SATIN_ERROR_MEMORY;
     for (size_t i = 0; i < r->count; i++) r->refused += refused[i];
     free(refused);

@@ -42,8 +42,8 @@ struct neighbour {
 
 // Finds the values to which a site's plane is fitted: near ones of its orientation that are visible
 // from it.
-static int find_neighbours(const struct photon_fitting *job, size_t site, struct neighbour *out) {
-    const struct photon_sites *sites = job->sites;
+static int find_neighbours(const struct photon_fitting *loop, size_t site, struct neighbour *out) {
+    const struct photon_sites *sites = loop->sites;
     int row[PLANE_NEIGHBOURS], count = 0;
     float distance2[PLANE_NEIGHBOURS], far2 = 0.0f;
     photon_index_nearest(sites->index, sites->position.row + 6 * site, 1, PLANE_NEIGHBOURS,
@@ -56,7 +56,7 @@ static int find_neighbours(const struct photon_fitting *job, size_t site, struct
         if (row[i] < 0 || !(distance2[i] < far2)) continue;
         const size_t at = (size_t)row[i];
         if (v3_dot(normal_at(sites, at), n) < PLANE_FACING) continue;
-        if (at != site && photon_entry_position_hidden(&sites->position, job->scene, at, p, n))
+        if (at != site && photon_entry_position_hidden(&sites->position, loop->scene, at, p, n))
             continue;
         const vec3 d = v3_sub(photon_entry_position(&sites->position, at), p);
         const float weight = 1.0f - distance2[i] / far2;
@@ -99,17 +99,17 @@ static rgb plane_at(rgb value, const struct slope *slope, float x, float y) {
     return rgb_mad(rgb_mad(value, slope->u, x), slope->v, y);
 }
 
-static void fit_site(const struct photon_fitting *job, size_t i) {
-    struct photon_sites *sites = job->sites;
+static void fit_site(const struct photon_fitting *loop, size_t i) {
+    struct photon_sites *sites = loop->sites;
     struct neighbour near[PLANE_NEIGHBOURS];
-    const int count = find_neighbours(job, i, near);
-    job->plane[i] = sites->value[i];
+    const int count = find_neighbours(loop, i, near);
+    loop->plane[i] = sites->value[i];
     sites->slope[i] = (struct slope){.differs = DIFFERS_MOST};
     if (count < FIT_LEAST) return;
-    job->plane[i] = fit_plane(sites, near, count, &sites->slope[i]);
+    loop->plane[i] = fit_plane(sites, near, count, &sites->slope[i]);
     float differs = 0.0f, sum = 0.0f;
     for (int k = 0; k < count; k++) {
-        const rgb there = plane_at(job->plane[i], &sites->slope[i], near[k].x, near[k].y);
+        const rgb there = plane_at(loop->plane[i], &sites->slope[i], near[k].x, near[k].y);
         const float noise = fmaxf(sites->noise[near[k].site], FLT_MIN);
         differs += near[k].weight * difference(sites->value[near[k].site], there) / noise;
         sum += near[k].weight;
@@ -120,15 +120,15 @@ static void fit_site(const struct photon_fitting *job, size_t i) {
 
 // A few neighbours may differ by more than noise at random, so the mean over neighbouring planes
 // decides.
-static void evaluate_site(const struct photon_fitting *job, size_t i) {
+static void evaluate_site(const struct photon_fitting *loop, size_t i) {
     struct neighbour near[PLANE_NEIGHBOURS];
-    const int count = find_neighbours(job, i, near);
+    const int count = find_neighbours(loop, i, near);
     float differs = 0.0f, sum = 0.0f;
     for (int k = 0; k < count; k++) {
-        differs += near[k].weight * job->sites->slope[near[k].site].differs;
+        differs += near[k].weight * loop->sites->slope[near[k].site].differs;
         sum += near[k].weight;
     }
-    job->sites->slope[i].preserved =
+    loop->sites->slope[i].preserved =
         sum > 0.0f ? clampf(differs / sum - PRESERVED_FROM, 0.0f, 1.0f) : 1.0f;
 }
 
@@ -145,13 +145,13 @@ void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker)
 // ---- Reading ------------------------------------------------------------------------------------
 
 // The value at a position, from the planes of the sites around it.
-static rgb read_value(const struct photon_reading *job, size_t i) {
-    const struct photon_sites *sites = job->sites;
-    const vec3 p = photon_entry_position(job->position, i);
+static rgb read_value(const struct photon_reading *loop, size_t i) {
+    const struct photon_sites *sites = loop->sites;
+    const vec3 p = photon_entry_position(loop->position, i);
     int row[MIXED];
     float distance2[MIXED], far2 = 0.0f, sum = 0.0f, preserved = 0.0f, noise = 0.0f;
     rgb plane = rgb_grey(0.0f);
-    photon_index_nearest(sites->index, job->position->row + 6 * i, 1, MIXED, INFINITY, row,
+    photon_index_nearest(sites->index, loop->position->row + 6 * i, 1, MIXED, INFINITY, row,
                          distance2);
     for (int k = 0; k < MIXED; k++)
         if (row[k] >= 0) far2 = fmaxf(far2, distance2[k]);
@@ -160,7 +160,7 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
         const size_t at = (size_t)row[k];
         const vec3 q = photon_entry_position(&sites->position, at), n = normal_at(sites, at),
                    d = v3_sub(p, q);
-        if (photon_entry_position_hidden(job->position, job->scene, i, q, n)) continue;
+        if (photon_entry_position_hidden(loop->position, loop->scene, i, q, n)) continue;
         const struct frame frame = frame_from_normal(n);
         const float near = 1.0f - distance2[k] / far2, weight = near * near;
         const rgb here =
@@ -170,18 +170,18 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
         noise += weight * sites->noise[at];
         plane = rgb_mad(plane, here, weight);
     }
-    if (!(sum > 0.0f)) return job->value[i];
+    if (!(sum > 0.0f)) return loop->value[i];
     plane = rgb_scale(plane, 1.0f / sum);
     const float most = PLANE_DEVIATIONS * PLANE_DEVIATIONS * noise / sum;
-    const float differs = fmaxf(difference(job->value[i], plane), FLT_MIN);
+    const float differs = fmaxf(difference(loop->value[i], plane), FLT_MIN);
     preserved = fmaxf(preserved / sum, 1.0f - most / differs);
-    if (!(preserved < 1.0f)) return job->value[i];
-    const rgb c = rgb_mad(plane, rgb_sub(job->value[i], plane), preserved);
+    if (!(preserved < 1.0f)) return loop->value[i];
+    const rgb c = rgb_mad(plane, rgb_sub(loop->value[i], plane), preserved);
     return rgb_at_least(c, 0.0f);
 }
 
 void photon_read_planes(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
-    const struct photon_reading *job = ctx;
-    for (size_t i = begin; i < end; i++) job->value[i] = read_value(job, i);
+    const struct photon_reading *loop = ctx;
+    for (size_t i = begin; i < end; i++) loop->value[i] = read_value(loop, i);
 }

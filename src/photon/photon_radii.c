@@ -13,10 +13,10 @@
 
 enum {
     RADII_CHUNK = 256,  // photons of a chunk
-    RADII_GROUP = 8     // of these, photons that are searched together
+    RADII_TOGETHER = 8  // of these, photons that are searched together
 };
 
-struct radii_job {
+struct radii_loop {
     const struct photon_map *map;
     float *radius2;
     int k;
@@ -25,36 +25,36 @@ struct radii_job {
 
 static void find_radii(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
-    struct radii_job *job = ctx;
-    const struct photon_map *map = job->map;
-    const size_t k = (size_t)job->k;
-    int *row = malloc(RADII_GROUP * k * sizeof *row);
-    float *distance2 = malloc(RADII_GROUP * k * sizeof *distance2);
-    if (!row || !distance2) atomic_store(&job->failed, true);
-    for (size_t at = begin; at < end && !atomic_load(&job->failed); at += RADII_GROUP) {
-        const size_t n = end - at < RADII_GROUP ? end - at : RADII_GROUP;
-        photon_index_nearest(map->index, map->position + 3 * at, n, job->k, photon_map_far2(map),
+    struct radii_loop *loop = ctx;
+    const struct photon_map *map = loop->map;
+    const size_t k = (size_t)loop->k;
+    int *row = malloc(RADII_TOGETHER * k * sizeof *row);
+    float *distance2 = malloc(RADII_TOGETHER * k * sizeof *distance2);
+    if (!row || !distance2) atomic_store(&loop->failed, true);
+    for (size_t at = begin; at < end && !atomic_load(&loop->failed); at += RADII_TOGETHER) {
+        const size_t n = end - at < RADII_TOGETHER ? end - at : RADII_TOGETHER;
+        photon_index_nearest(map->index, map->position + 3 * at, n, loop->k, photon_map_far2(map),
                              row, distance2);
         for (size_t i = 0; i < n; i++)
-            job->radius2[at + i] = photon_radius2(map, row + i * k, distance2 + i * k, job->k);
+            loop->radius2[at + i] = photon_radius2(map, row + i * k, distance2 + i * k, loop->k);
     }
     free(row);
     free(distance2);
 }
 
 satin_status photon_map_find_radii(struct photon_map *map, int k, struct parallel *pool) {
-    struct radii_job job = {.map = map, .k = k};
-    job.radius2 = array_new_unset(map->count, sizeof *job.radius2);
-    if (!job.radius2) return SATIN_ERROR_MEMORY;
-    const struct parallel_results radii = {.slot = {{job.radius2, sizeof *job.radius2}},
+    struct radii_loop loop = {.map = map, .k = k};
+    loop.radius2 = array_new_unset(map->count, sizeof *loop.radius2);
+    if (!loop.radius2) return SATIN_ERROR_MEMORY;
+    const struct parallel_results radii = {.slot = {{loop.radius2, sizeof *loop.radius2}},
                                            .journaled = true};
     satin_status status = SATIN_OK;
-    if (!parallel_for_results(pool, map->count, RADII_CHUNK, find_radii, &job, &radii))
+    if (!parallel_for_results(pool, map->count, RADII_CHUNK, find_radii, &loop, &radii))
         status = SATIN_CANCELLED;
-    if (atomic_load(&job.failed)) status = SATIN_ERROR_MEMORY;
+    if (atomic_load(&loop.failed)) status = SATIN_ERROR_MEMORY;
     if (status == SATIN_OK)
-        map->radius2 = job.radius2;
+        map->radius2 = loop.radius2;
     else
-        free(job.radius2);
+        free(loop.radius2);
     return status;
 }

@@ -35,11 +35,11 @@ static satin_status trace_pilot(const struct photon_tracing *tracing, struct par
 }
 
 static satin_status trace_caustic_pilot(const struct photon_request *request,
-                                        const struct guide_view *view, struct parallel *pool,
+                                        const struct guide_seen *seen, struct parallel *pool,
                                         struct log log, struct photon_trace *out) {
     const satin_options *o = request->options;
     struct guide_emission *emission = NULL;
-    const struct guide_emission_request aim = {request->scene, view, o->seed, PILOT_PATHS};
+    const struct guide_emission_request aim = {request->scene, seen, o->seed, PILOT_PATHS};
     satin_status status = guide_emission_build(&aim, pool, log, &emission);
     *out = (struct photon_trace){0};
     if (status != SATIN_OK || !emission) return status;
@@ -60,10 +60,10 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
     const bool shown = o->integrator == SATIN_PHOTONS, passes = o->integrator == SATIN_SPPM;
     const unsigned all = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT;
     const unsigned bounced = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT;
-    struct guide_view view;
+    struct guide_seen seen;
     struct guide_allocation allocation;
-    guide_view_make(request->scene, o->seed, request->paths.view, pool, &view);
-    guide_allocation_make(request->scene, o->seed, request->paths.view, pool, &allocation);
+    guide_seen_make(request->scene, o->seed, request->paths.seen, pool, &seen);
+    guide_allocation_make(request->scene, o->seed, request->paths.seen, pool, &allocation);
     const struct photon_tracing tracing = {
         .scene = request->scene,
         .seed = o->seed,
@@ -72,7 +72,7 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
     struct photon_trace global, caustic = {0};
     satin_status status = trace_pilot(&tracing, pool, log, &global);
     if (status == SATIN_OK && request->paths.caustic && !shown)
-        status = trace_caustic_pilot(request, &view, pool, log, &caustic);
+        status = trace_caustic_pilot(request, &seen, pool, log, &caustic);
     if (status != SATIN_OK) return status;
     const bool direct = !passes && (!o->gather_direct || shown);
     out->global =

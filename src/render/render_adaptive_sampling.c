@@ -73,34 +73,34 @@ struct adapting {
 };
 
 static void each_chunk(const struct adaptive_sampling *adapt, parallel_fn fn,
-                       struct adapting *job) {
-    parallel_for_all(adapt->pool, pixels(adapt), ADAPTIVE_CHUNK, fn, job);
+                       struct adapting *loop) {
+    parallel_for_all(adapt->pool, pixels(adapt), ADAPTIVE_CHUNK, fn, loop);
 }
 
 // Adds the results of fn for all chunks, in their order.
 static double sum_chunks(const struct adaptive_sampling *adapt, parallel_fn fn,
-                         struct adapting *job) {
+                         struct adapting *loop) {
     double sum = 0.0;
-    each_chunk(adapt, fn, job);
+    each_chunk(adapt, fn, loop);
     for (size_t i = 0; i * ADAPTIVE_CHUNK < pixels(adapt); i++) sum += adapt->sum[i];
     return sum;
 }
 
 static void sum_luminances(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
+    const struct adapting *loop = ctx;
     double sum = 0.0;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const struct adaptive_pixel *p = &job->adapt->pixel[i];
+        const struct adaptive_pixel *p = &loop->adapt->pixel[i];
         if (p->count) sum += (double)rgb_luminance(p->sum) / p->count;
     }
-    job->adapt->sum[begin / ADAPTIVE_CHUNK] = sum;
+    loop->adapt->sum[begin / ADAPTIVE_CHUNK] = sum;
 }
 
 // The squared luminance below which the error of a pixel is absolute.
 static double floor2(const struct adaptive_sampling *adapt) {
-    struct adapting job = {.adapt = adapt};
-    const double sum = sum_chunks(adapt, sum_luminances, &job);
+    struct adapting loop = {.adapt = adapt};
+    const double sum = sum_chunks(adapt, sum_luminances, &loop);
     const double dark = (double)DARK * sum / (double)pixels(adapt);
     return fmax(dark * dark, 1e-30);
 }
@@ -112,11 +112,11 @@ static double relative2(float difference, float mean, double floor2) {
 }
 
 static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
-    const double least2 = job->floor2;
+    const struct adapting *loop = ctx;
+    const double least2 = loop->floor2;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct adaptive_pixel *p = &job->adapt->pixel[i];
+        struct adaptive_pixel *p = &loop->adapt->pixel[i];
         uint32_t fresh = p->count - p->before;
         if (2 * fresh < p->before || fresh == 0) continue;  // too few for a comparison
         if (p->before > 0) {
@@ -135,25 +135,25 @@ static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 void render_adaptive_compare(struct adaptive_sampling *adapt) {
-    struct adapting job = {.adapt = adapt, .floor2 = floor2(adapt)};
-    each_chunk(adapt, compare_pixels, &job);
+    struct adapting loop = {.adapt = adapt, .floor2 = floor2(adapt)};
+    each_chunk(adapt, compare_pixels, &loop);
 }
 
 static void target_rows(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
-    const size_t width = (size_t)job->adapt->width, stride = job->stride;
+    const struct adapting *loop = ctx;
+    const size_t width = (size_t)loop->adapt->width, stride = loop->stride;
     (void)worker;
     for (size_t y = begin * stride; y < end * stride; y += stride)
         for (size_t i = y * width; i < (y + 1) * width; i += stride) {
-            struct adaptive_pixel *p = &job->adapt->pixel[i];
-            if (p->target < job->count) p->target = job->count;
+            struct adaptive_pixel *p = &loop->adapt->pixel[i];
+            if (p->target < loop->count) p->target = loop->count;
         }
 }
 
 void render_adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count) {
-    struct adapting job = {.adapt = adapt, .stride = (size_t)stride, .count = count};
+    struct adapting loop = {.adapt = adapt, .stride = (size_t)stride, .count = count};
     const size_t rows = (size_t)((adapt->height + stride - 1) / stride);
-    parallel_for_all(adapt->pool, rows, ADAPTIVE_ROWS, target_rows, &job);
+    parallel_for_all(adapt->pool, rows, ADAPTIVE_ROWS, target_rows, &loop);
 }
 
 // One pass of a binomial filter over five pixels. Pixels without a value (< 0) are ignored.
@@ -173,47 +173,47 @@ static void blur(const float *from, float *to, int count, size_t step) {
 }
 
 static void blur_rows(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
-    const size_t width = (size_t)job->adapt->width;
+    const struct adapting *loop = ctx;
+    const size_t width = (size_t)loop->adapt->width;
     (void)worker;
     for (size_t y = begin; y < end; y++)
-        blur(job->from + y * width, job->to + y * width, job->adapt->width, 1);
+        blur(loop->from + y * width, loop->to + y * width, loop->adapt->width, 1);
 }
 
 static void blur_columns(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
+    const struct adapting *loop = ctx;
     (void)worker;
     for (size_t x = begin; x < end; x++)
-        blur(job->from + x, job->to + x, job->adapt->height, (size_t)job->adapt->width);
+        blur(loop->from + x, loop->to + x, loop->adapt->height, (size_t)loop->adapt->width);
 }
 
 static void blur_image(const struct adaptive_sampling *adapt, float *a, float *b) {
-    struct adapting job = {.adapt = adapt, .from = a, .to = b};
-    parallel_for_all(adapt->pool, (size_t)adapt->height, ADAPTIVE_ROWS, blur_rows, &job);
-    job = (struct adapting){.adapt = adapt, .from = b, .to = a};
-    parallel_for_all(adapt->pool, (size_t)adapt->width, ADAPTIVE_COLUMNS, blur_columns, &job);
+    struct adapting loop = {.adapt = adapt, .from = a, .to = b};
+    parallel_for_all(adapt->pool, (size_t)adapt->height, ADAPTIVE_ROWS, blur_rows, &loop);
+    loop = (struct adapting){.adapt = adapt, .from = b, .to = a};
+    parallel_for_all(adapt->pool, (size_t)adapt->width, ADAPTIVE_COLUMNS, blur_columns, &loop);
 }
 
 static void copy_spread(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
+    const struct adapting *loop = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++) job->to[i] = job->adapt->pixel[i].variance;
+    for (size_t i = begin; i < end; i++) loop->to[i] = loop->adapt->pixel[i].variance;
 }
 
 static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
+    const struct adapting *loop = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        job->to[i] = powf(fmaxf(job->to[i], 0.0f), 1.0f / (1.0f + GAIN));
+        loop->to[i] = powf(fmaxf(loop->to[i], 0.0f), 1.0f / (1.0f + GAIN));
 }
 
 // Computes, in scratch, numbers to which the samples of the pixels are to be proportional.
 static const float *find_wanted(struct adaptive_sampling *adapt) {
     float *a = adapt->scratch;
-    struct adapting job = {.adapt = adapt, .to = a};
-    each_chunk(adapt, copy_spread, &job);
+    struct adapting loop = {.adapt = adapt, .to = a};
+    each_chunk(adapt, copy_spread, &loop);
     blur_image(adapt, a, a + pixels(adapt));
-    each_chunk(adapt, want_by_spread, &job);
+    each_chunk(adapt, want_by_spread, &loop);
     return a;
 }
 
@@ -225,20 +225,20 @@ static float limit_samples(float wanted, float count) {
 }
 
 static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
+    const struct adapting *loop = ctx;
     double sum = 0.0;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const float count = (float)job->adapt->pixel[i].count;
-        sum += (double)(limit_samples(job->factor * job->from[i], count) - count);
+        const float count = (float)loop->adapt->pixel[i].count;
+        sum += (double)(limit_samples(loop->factor * loop->from[i], count) - count);
     }
-    job->adapt->sum[begin / ADAPTIVE_CHUNK] = sum;
+    loop->adapt->sum[begin / ADAPTIVE_CHUNK] = sum;
 }
 
 static double added_samples(const struct adaptive_sampling *adapt, const float *want,
                             float factor) {
-    struct adapting job = {.adapt = adapt, .from = want, .factor = factor};
-    return sum_chunks(adapt, sum_more, &job);
+    struct adapting loop = {.adapt = adapt, .from = want, .factor = factor};
+    return sum_chunks(adapt, sum_more, &loop);
 }
 
 // The factor that gives this number of samples, or the largest factor if none does. It is found by
@@ -272,29 +272,29 @@ void render_adaptive_distribute(struct adaptive_sampling *adapt, uint64_t sample
     // If the noise is in a few pixels, the rest of the samples is distributed uniformly.
     const double rest = fmax((double)samples - added_samples(adapt, want, factor), 0.0);
     const double equal = rest / (double)pixels(adapt);
-    double owed = 0.0;  // fractions of groups that rounding has left over so far
+    double owed = 0.0;  // fractions of multiples that rounding has left over so far
     uint64_t given = 0;
     struct adaptive_pixel *last = adapt->pixel;
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adaptive_pixel *p = &adapt->pixel[i];
         const float count = (float)p->count;
         owed += (double)(limit_samples(factor * want[i], count) - count) + equal;
-        const double groups = fmax(floor(owed / MULTIPLE + 0.5), 0.0);
-        p->target = p->count + MULTIPLE * (uint32_t)groups;
-        owed -= MULTIPLE * groups;
-        given += MULTIPLE * (uint64_t)groups;
-        if (groups > 0.0) last = p;
+        const double multiples = fmax(floor(owed / MULTIPLE + 0.5), 0.0);
+        p->target = p->count + MULTIPLE * (uint32_t)multiples;
+        owed -= MULTIPLE * multiples;
+        given += MULTIPLE * (uint64_t)multiples;
+        if (multiples > 0.0) last = p;
     }
-    // Corrects for half a group more or less.
+    // Corrects for up to half of MULTIPLE.
     last->target += (uint32_t)(samples - given);
 }
 
 static void find_variances(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
-    float *light = job->to, *rest = light + pixels(job->adapt);
+    const struct adapting *loop = ctx;
+    float *light = loop->to, *rest = light + pixels(loop->adapt);
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const struct adaptive_pixel *p = &job->adapt->pixel[i];
+        const struct adaptive_pixel *p = &loop->adapt->pixel[i];
         const float count = (float)p->count, m = (float)p->light_samples_taken / fmaxf(count, 1.0f);
         const float mean = rgb_luminance(p->sum) / fmaxf(count, 1.0f);
         const float all = (p->squares - count * sqrf(mean)) / fmaxf(count - 1.0f, 1.0f);
@@ -307,13 +307,14 @@ static void find_variances(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
-    const struct adapting *job = ctx;
-    const float *light = job->from, *rest = light + pixels(job->adapt);
+    const struct adapting *loop = ctx;
+    const float *light = loop->from, *rest = light + pixels(loop->adapt);
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct adaptive_pixel *p = &job->adapt->pixel[i];
+        struct adaptive_pixel *p = &loop->adapt->pixel[i];
         if (!(light[i] > 0.0f)) continue;  // nothing is known, or lights cause no noise
-        const float m = powf(light[i] * job->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
+        const float m =
+            powf(light[i] * loop->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
         p->light_samples = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
         if (p->light_samples < 2)
             p->light_samples = 2;  // otherwise the next estimate would have no data
@@ -326,11 +327,11 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
 void render_adaptive_lights(struct adaptive_sampling *adapt, float cost) {
     const size_t n = pixels(adapt);
     float *light = adapt->scratch, *rest = light + n, *other = rest + n;
-    struct adapting job = {.adapt = adapt, .from = light, .to = light, .factor = cost};
-    each_chunk(adapt, find_variances, &job);
+    struct adapting loop = {.adapt = adapt, .from = light, .to = light, .factor = cost};
+    each_chunk(adapt, find_variances, &loop);
     blur_image(adapt, light, other);
     blur_image(adapt, rest, other);
-    each_chunk(adapt, set_lights, &job);
+    each_chunk(adapt, set_lights, &loop);
 }
 
 double render_adaptive_light_samples(const struct adaptive_sampling *adapt) {

@@ -53,7 +53,7 @@ enum {
     // a quarter of the paths and cells of the visibility of lights gave 1.10 times the relMSE
     // between two seeds, in .7 core seconds less; four times as many gave .91 times, in 3.6 core
     // seconds more.
-    VIEW_PATHS = GUIDE_VIEW_PATHS_MAX,
+    SEEN_PATHS = GUIDE_SEEN_PATHS_MAX,
     VISIBILITY_PATHS = 4096,
     // The number of rays per bin of the visible environment grows with the option `photons`, which
     // grows with effort: by one per BIN_PER photons. With 1, 3, 4 and 8 rays, light samples leave a
@@ -259,7 +259,7 @@ static uint64_t cluster_paths(const satin_options *o, uint64_t photons) {
 struct photon_paths render_budget_paths(const satin_options *o) {
     const uint64_t photons = o->photons > 0 ? (uint64_t)o->photons : 0;
     return (struct photon_paths){
-        .view = VIEW_PATHS,
+        .seen = SEEN_PATHS,
         .global = photons,
         .clusters = cluster_paths(o, photons),
         .direct = photon_precomputes_direct(o) ? photons / DIRECT_DIVISOR : 0,

@@ -5,9 +5,10 @@
 // has covered, are in render_covering.c. Four kinds of numbers are elsewhere:
 // options_quality.c has the values of the options by quality and by effort, which is the time per
 // pixel, and these are the base of all decisions; a stage has beside its code the constant size of
-// a sample by which it estimates something for itself, such as the paths for the view; the sizes of
-// its blocks and batches, after one of which it takes the next; and how it distributes the work
-// that it is given among its own pixels or photons (render_adaptive_sampling.c, photon_maps.c).
+// a sample by which it estimates something for itself, such as the paths that find what is seen;
+// the sizes of its blocks and batches, after one of which it takes the next; and how it distributes
+// the work that it is given among its own pixels or photons (render_adaptive_sampling.c,
+// photon_maps.c).
 //
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,

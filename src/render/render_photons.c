@@ -96,7 +96,7 @@ static satin_status begin_passes(struct render *r) {
                                            render_budget_paths(&r->options)};
     render_limit_photon_pilot(r);
     const satin_status status =
-        photon_progressive_new(&request, r->pool, r->log, &r->stats, &r->first_pass.progressive);
+        photon_sppm_new(&request, r->pool, r->log, &r->stats, &r->first_pass.sppm);
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);
 }
@@ -104,8 +104,7 @@ static satin_status begin_passes(struct render *r) {
 satin_status render_pass_photons(struct render *r) {
     if (!render_steps(r)->passes) return SATIN_OK;
     const double start = stats_wall();
-    satin_status status =
-        photon_progressive_next(r->first_pass.progressive, r->pool, r->log, &r->stats);
+    satin_status status = photon_sppm_next(r->first_pass.sppm, r->pool, r->log, &r->stats);
     stats_add(&r->stats, "photons.passes", status == SATIN_OK ? 1.0 : 0.0);
     stats_add(&r->stats, "photons.passes_s", stats_wall() - start);
     return status;
@@ -114,7 +113,7 @@ satin_status render_pass_photons(struct render *r) {
 void render_skip_photons(struct render *r) {
     const uint64_t pixels = (uint64_t)r->image->width * (uint64_t)r->image->height;
     if (render_steps(r)->passes)
-        photon_progressive_skip(r->first_pass.progressive, (uint32_t)(r->image->taken / pixels));
+        photon_sppm_skip(r->first_pass.sppm, (uint32_t)(r->image->taken / pixels));
 }
 
 satin_status render_photons(struct render *r) {
@@ -148,6 +147,6 @@ struct gather render_gather(const struct render *r) {
     struct gather g = gather_make(&r->scene, &r->options, r->first_pass.maps);
     g.visibility = r->first_pass.visibility;
     g.lookup_max /= render_budget_lookup(r->first_pass.made);
-    g.progressive = r->first_pass.progressive;
+    g.sppm = r->first_pass.sppm;
     return g;
 }

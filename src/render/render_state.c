@@ -34,7 +34,7 @@ void render_free(struct render *r) {
     render_views_free(r);
     render_probes_free(r->motion.probes);
     photon_maps_free(r->first_pass.maps);
-    photon_progressive_free(r->first_pass.progressive);
+    photon_sppm_free(r->first_pass.sppm);
     gather_direct_free(&r->first_pass.direct);
     guide_visibility_free(r->first_pass.visibility);
     film_denoiser_free(r->denoiser);

@@ -70,9 +70,9 @@ struct render_first_pass {
     bool chosen_by_user;  // the number must not be increased
     double made;          // fraction of `wanted` that was traced; 0: none were wanted
     struct photon_maps *maps;
-    struct photon_progressive *progressive;  // of integrator sppm; it has no maps
-    struct gather_direct direct;             // at the entries of the maps
-    struct guide_visibility *visibility;     // of the lights; NULL: all lights are assumed visible
+    struct photon_sppm *sppm;             // of integrator sppm; it has no maps
+    struct gather_direct direct;          // at the entries of the maps
+    struct guide_visibility *visibility;  // of the lights; NULL: all lights are assumed visible
 };
 
 // The second pass: final gathering, and its records.

@@ -13,7 +13,7 @@
 enum { MANY_BLOCK = 3, SCRATCH = MANY_BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
 
 // The operation that one call applies to every record.
-struct many_job {
+struct many {
     const struct rsh_kernels *kernels;
     rsh_basis basis;
     int order, channels;
@@ -31,7 +31,7 @@ struct channel_block {
     float *out;
 };
 
-static void rotate_many_through_sphere(const struct many_job *j, const struct rsh_rotations *t,
+static void rotate_many_through_sphere(const struct many *j, const struct rsh_rotations *t,
                                        const struct channel_block *p) {
     float sphere[SCRATCH];
     const struct rsh_kernels *k = j->kernels;
@@ -50,7 +50,7 @@ static void rotate_many_through_sphere(const struct many_job *j, const struct rs
                         sphere + (size_t)c * large, p->out + (size_t)c * small);
 }
 
-static void rotate_exactly(const struct many_job *j, const struct rsh_rotations *t,
+static void rotate_exactly(const struct many *j, const struct rsh_rotations *t,
                            const struct channel_block *p) {
     if (j->basis == RSH_HEMISPHERE)
         rotate_many_through_sphere(j, t, p);
@@ -59,7 +59,7 @@ static void rotate_exactly(const struct many_job *j, const struct rsh_rotations 
 }
 
 // Computes both forms and selects for each record the one that its angle requires.
-static void rotate_mixed(const struct many_job *j, const struct rsh_rotations rotations[2],
+static void rotate_mixed(const struct many *j, const struct rsh_rotations rotations[2],
                          const bool *fast, const struct channel_block *p) {
     float exact[SCRATCH];
     size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order * p->channels);
@@ -74,7 +74,7 @@ static void rotate_mixed(const struct many_job *j, const struct rsh_rotations ro
 }
 
 // Rotates one vector of records in all channels, by their matrices.
-static void rotate_vector(const struct many_job *j, const float r[9][RSH_MAX_WIDTH], size_t stride,
+static void rotate_vector(const struct many *j, const float r[9][RSH_MAX_WIDTH], size_t stride,
                           const float *in, float *out) {
     struct rsh_rotations rotations[2];  // by the exact and by the fast method
     bool fast[RSH_MAX_WIDTH];
@@ -102,11 +102,11 @@ static void rotate_vector(const struct many_job *j, const float r[9][RSH_MAX_WID
 
 // Rotates the last `tail` of `count` records, fewer than a vector, padded with copies of the first
 // of them.
-static void rotate_tail(const struct many_job *j, const float r[9][RSH_MAX_WIDTH], size_t tail,
+static void rotate_tail(const struct many *j, const float r[9][RSH_MAX_WIDTH], size_t tail,
                         size_t count, const float *in, float *out) {
     float padded[SCRATCH];
     size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order);
-    struct many_job one = *j;
+    struct many one = *j;
     for (int c = 0; c < j->channels;
          c += MANY_BLOCK, in += MANY_BLOCK * n * count, out += MANY_BLOCK * n * count) {
         one.channels = j->channels - c < MANY_BLOCK ? j->channels - c : MANY_BLOCK;
@@ -193,8 +193,8 @@ static bool all_in_range(const float *const a[9], size_t count) {
     return !bad;
 }
 
-static bool run_many(struct many_job *j, size_t count, const float *const a[9],
-                     const float *const *b, const float *in, float *out) {
+static bool run_many(struct many *j, size_t count, const float *const a[9], const float *const *b,
+                     const float *in, float *out) {
     if (!rsh_basis_ok(j->basis) || !rsh_order_ok(j->order)) return false;
     if (!all_in_range(a, count) || (b && !all_in_range(b, count))) return false;
     j->kernels = rsh_kernels_best();
@@ -214,21 +214,21 @@ static bool run_many(struct many_job *j, size_t count, const float *const a[9],
 
 bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                      const float *in, float *out) {
-    struct many_job j = {.order = order, .channels = channels, .method = RSH_METHOD_EXACT};
+    struct many j = {.order = order, .channels = channels, .method = RSH_METHOD_EXACT};
     j.beta_limit = -1.0f;
     return run_many(&j, count, r, NULL, in, out);
 }
 
 bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
                             const float *const r[9], const float *in, float *out) {
-    struct many_job j = {.order = order, .channels = channels, .beta_limit = -1.0f};
+    struct many j = {.order = order, .channels = channels, .beta_limit = -1.0f};
     return rsh_method_of_taylor(kind, &j.method) && run_many(&j, count, r, NULL, in, out);
 }
 
 // With a limit of 0 only hemispherical records whose normals agree use the fast form, which saves
 // the conversion through the sphere.
-static struct many_job align_job(rsh_basis basis, int order, int channels, float beta_limit) {
-    struct many_job j = {.basis = basis, .order = order, .channels = channels};
+static struct many align_many(rsh_basis basis, int order, int channels, float beta_limit) {
+    struct many j = {.basis = basis, .order = order, .channels = channels};
     j.method = RSH_METHOD_EXACT;
     j.beta_limit = beta_limit > 0.0f ? beta_limit : basis == RSH_HEMISPHERE ? 0.0f : -1.0f;
     return j;
@@ -237,14 +237,14 @@ static struct many_job align_job(rsh_basis basis, int order, int channels, float
 bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
                     const float *const from[9], const float *const to[9], float beta_limit,
                     const float *in, float *out) {
-    struct many_job j = align_job(basis, order, channels, beta_limit);
+    struct many j = align_many(basis, order, channels, beta_limit);
     return run_many(&j, count, from, to, in, out);
 }
 
 bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
                                const float *const from[9], const float *const to[9],
                                float beta_limit, const float *in, float *out) {
-    struct many_job j = align_job(basis, order, channels, beta_limit);
+    struct many j = align_many(basis, order, channels, beta_limit);
     j.transposed = true;
     return run_many(&j, count, to, from, in, out);
 }

@@ -60,13 +60,13 @@ static void set_light_channels(const struct shade *shade, struct shade_sample *o
 
 // Integrator photons: all light at the point from the photon map, while emitted and mirrored light
 // is added separately.
-static void add_photon_radiance(struct shade_job *job) {
-    const struct gather *g = job->shade->g;
-    const struct shading_point *p = &job->vertex->point;
+static void add_photon_radiance(struct shade_lighting *lighting) {
+    const struct gather *g = lighting->shade->g;
+    const struct shading_point *p = &lighting->vertex->point;
     float radius;
     rgb L = photon_radiance(g->maps, g->scene, p, BRDF_REFLECT, &radius);
-    rgb *layer = &job->out->layer[SHADE_INDIRECT_DIFFUSE];
-    *layer = rgb_fma(*layer, job->vertex->T, L);
+    rgb *layer = &lighting->out->layer[SHADE_INDIRECT_DIFFUSE];
+    *layer = rgb_fma(*layer, lighting->vertex->T, L);
 }
 
 static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
@@ -104,12 +104,12 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
         // The i-th vertex has its own dimensions, independent of those used before.
         struct sampler own = {index, sampler.seed, 64u * (uint32_t)(i + 1)};
-        struct shade_job job = {shade,         &eye.vertex[i],         worker, own,
-                                light_samples, rng_mix(pixel + index), pixel,  out};
+        struct shade_lighting lighting = {shade,         &eye.vertex[i],         worker, own,
+                                          light_samples, rng_mix(pixel + index), pixel,  out};
         if (integrator == SATIN_PHOTONS)
-            add_photon_radiance(&job);
+            add_photon_radiance(&lighting);
         else
-            shade_vertex_two_pass(&job);
+            shade_vertex_two_pass(&lighting);
     }
     for (int layer = SHADE_DIRECT; layer <= SHADE_EMISSION; layer++)
         out->beauty = rgb_add(out->beauty, out->layer[layer]);

@@ -8,9 +8,10 @@
 #include "shade/shade_two_pass.h"
 
 // The light that one BRDF sample of `lobes` finds, weighted against the light samples.
-static rgb find_light(const struct shade_job *job, unsigned lobes, float ratio, struct sampler u) {
-    const struct gather *g = job->shade->g;
-    const struct shading_point *p = &job->vertex->point;
+static rgb find_light(const struct shade_lighting *lighting, unsigned lobes, float ratio,
+                      struct sampler u) {
+    const struct gather *g = lighting->shade->g;
+    const struct shading_point *p = &lighting->vertex->point;
     const rgb none = rgb_grey(0.0f);
     struct brdf_sample b;
     const vec2 uv = sampler_2d(&u);
@@ -27,26 +28,27 @@ static rgb find_light(const struct shade_job *job, unsigned lobes, float ratio, 
 
 // Adds `count` of `all` BRDF samples of the lobes; gather rays are the others. Returns the variance
 // of the luminance of one, 0 if there are less than two.
-static float add_brdf_samples(struct shade_job *job, unsigned lobes, int count, int all,
+static float add_brdf_samples(struct shade_lighting *lighting, unsigned lobes, int count, int all,
                               uint32_t first) {
-    const float ratio = (float)all / (float)job->light_samples.count;
+    const float ratio = (float)all / (float)lighting->light_samples.count;
     rgb sum = rgb_grey(0.0f);
     float squares = 0.0f;
     for (int i = 0; i < count; i++) {
-        const struct sampler u = {first + (uint32_t)i, job->sampler.seed, job->sampler.dimension};
-        const rgb L = find_light(job, lobes, ratio, u);
+        const struct sampler u = {first + (uint32_t)i, lighting->sampler.seed,
+                                  lighting->sampler.dimension};
+        const rgb L = find_light(lighting, lobes, ratio, u);
         sum = rgb_add(sum, L);
         squares += sqrf(rgb_luminance(L));
     }
-    shade_add_uncached(job, SHADE_DIRECT, rgb_scale(sum, 1.0f / (float)all));
+    shade_add_uncached(lighting, SHADE_DIRECT, rgb_scale(sum, 1.0f / (float)all));
     const float n = (float)count;
     return count > 1 ? fmaxf(squares - sqrf(rgb_luminance(sum)) / n, 0.0f) / (n - 1.0f) : 0.0f;
 }
 
-int shade_direct(struct shade_job *job, unsigned sampled, int rays) {
-    const struct gather *g = job->shade->g;
-    const struct shading_point *p = &job->vertex->point;
-    const struct gather_light_samples light_samples = job->light_samples;
+int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays) {
+    const struct gather *g = lighting->shade->g;
+    const struct shading_point *p = &lighting->vertex->point;
+    const struct gather_light_samples light_samples = lighting->light_samples;
     const int lights = light_samples.count, of_glossy = g->rays_find_lights ? lights : 0;
     const int of_sampled = of_glossy > rays ? of_glossy : rays;
     const unsigned diffuse = p->lobes & BRDF_DIFFUSE & ~sampled;
@@ -57,17 +59,18 @@ int shade_direct(struct shade_job *job, unsigned sampled, int rays) {
                                     {glossy, (float)of_glossy / (float)lights},
                                     {sampled, (float)of_sampled / (float)lights}}};
     float variance;
-    shade_add_uncached(job, SHADE_DIRECT,
-                       gather_sample_lights(g, p, mis, light_samples, job->sampler, &variance));
-    job->sampler.dimension += 2;
-    if (by_diffuse) add_brdf_samples(job, diffuse, 1, 1, job->sampler.index);
-    job->sampler.dimension += 2;
+    shade_add_uncached(
+        lighting, SHADE_DIRECT,
+        gather_sample_lights(g, p, mis, light_samples, lighting->sampler, &variance));
+    lighting->sampler.dimension += 2;
+    if (by_diffuse) add_brdf_samples(lighting, diffuse, 1, 1, lighting->sampler.index);
+    lighting->sampler.dimension += 2;
     if (glossy && of_glossy)
-        variance += add_brdf_samples(job, glossy, of_glossy, of_glossy, light_samples.first);
+        variance += add_brdf_samples(lighting, glossy, of_glossy, of_glossy, light_samples.first);
     if (sampled && of_sampled > rays)
         variance +=
-            add_brdf_samples(job, sampled, of_sampled - rays, of_sampled, light_samples.first);
-    job->sampler.dimension += 2;
-    job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
+            add_brdf_samples(lighting, sampled, of_sampled - rays, of_sampled, light_samples.first);
+    lighting->sampler.dimension += 2;
+    lighting->out->light_variance += sqrf(rgb_luminance(lighting->vertex->T)) * variance;
     return of_sampled;
 }

@@ -9,77 +9,80 @@
 // pixels.
 #define FALLBACK_PIXELS 8.0f
 
-static struct gather_site site_of(const struct shade_job *job) {
-    const struct shading_point *p = &job->vertex->point;
-    return (struct gather_site){
-        .p = p->interaction.p, .ng = p->interaction.ng, .frame = p->base, .stream = job->stream};
+static struct gather_site site_of(const struct shade_lighting *lighting) {
+    const struct shading_point *p = &lighting->vertex->point;
+    return (struct gather_site){.p = p->interaction.p,
+                                .ng = p->interaction.ng,
+                                .frame = p->base,
+                                .stream = lighting->stream};
 }
 
-static void note_records(struct shade_job *job, struct cache_used used) {
-    job->worker->counts.interpolated++;
-    job->worker->counts.records_used += (uint64_t)used.count;
-    job->out->used = cache_used_add(job->out->used, used);
+static void note_records(struct shade_lighting *lighting, struct cache_used used) {
+    lighting->worker->counts.interpolated++;
+    lighting->worker->counts.records_used += (uint64_t)used.count;
+    lighting->out->used = cache_used_add(lighting->out->used, used);
 }
 
 // Adds indirect light by a hemisphere of gather rays, if irradiance is not cached.
-static void sample_diffuse(struct shade_job *job) {
-    const struct shade *s = job->shade;
-    const struct shading_point *p = &job->vertex->point;
-    const struct gather_worker *w = &job->worker->gather;
-    const struct gather_site site = site_of(job);
+static void sample_diffuse(struct shade_lighting *lighting) {
+    const struct shade *s = lighting->shade;
+    const struct shading_point *p = &lighting->vertex->point;
+    const struct gather_worker *w = &lighting->worker->gather;
+    const struct gather_site site = site_of(lighting);
     struct cache_irradiance_value value;
     gather_hemisphere_trace(s->g, s->gather, &site, w->scratch, w->hemisphere);
     gather_hemisphere_irradiance(s->g, w->hemisphere, &value);
-    job->worker->counts.rays += value.rays;
-    job->worker->counts.gathered++;
+    lighting->worker->counts.rays += value.rays;
+    lighting->worker->counts.gathered++;
     const rgb E = cache_rotate_irradiance(&value, p->base.n, p->frame.n);
-    shade_add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), E));
+    shade_add_uncached(lighting, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), E));
 }
 
 // What is asked of the records at the vertex.
-static struct cache_lookup records_lookup(const struct shade_job *job) {
-    const struct shade_vertex *v = job->vertex;
+static struct cache_lookup records_lookup(const struct shade_lighting *lighting) {
+    const struct shade_vertex *v = lighting->vertex;
     struct cache_lookup at = cache_lookup_at(&v->point, FALLBACK_PIXELS * v->pixel);
-    at.gather_deviation = job->shade->missing.deviation;
+    at.gather_deviation = lighting->shade->missing.deviation;
     return at;
 }
 
 // Adds indirect light from irradiance records. False if none is near.
-static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *value) {
-    const struct shade *s = job->shade;
-    const struct shading_point *p = &job->vertex->point;
+static bool diffuse_cached(struct shade_lighting *lighting, struct shade_pixel_value *value) {
+    const struct shade *s = lighting->shade;
+    const struct shading_point *p = &lighting->vertex->point;
     if (!s->interpolates) return false;
     if (!value->has_irradiance) {
-        const struct cache_lookup at = records_lookup(job);
+        const struct cache_lookup at = records_lookup(lighting);
         rgb E;
         value->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
         if (!value->used.count) return false;
         value->E = E;
         value->has_irradiance = true;
     }
-    note_records(job, value->used);
-    shade_add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
+    note_records(lighting, value->used);
+    shade_add_cached(lighting, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
     return true;
 }
 
 // Adds indirect light from radiance records. False if none is near.
-static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan,
+static bool indirect_cached(struct shade_lighting *lighting, const struct cache_plan *plan,
                             struct shade_pixel_value *value) {
-    const struct shade *s = job->shade;
-    const struct shading_point *p = &job->vertex->point;
+    const struct shade *s = lighting->shade;
+    const struct shading_point *p = &lighting->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!s->interpolates) return false;
     if (!value->has_radiance) {
-        const struct cache_lookup at = records_lookup(job);
+        const struct cache_lookup at = records_lookup(lighting);
         value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
         if (!value->used.count) return false;
         value->has_radiance = true;
     }
-    note_records(job, value->used);
+    note_records(lighting, value->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->bump);
-    if (shiny) shade_add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, value->glossy));
+    if (shiny) shade_add_cached(lighting, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, value->glossy));
     if (diffuse)
-        shade_add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
+        shade_add_cached(lighting, SHADE_INDIRECT_DIFFUSE,
+                         rgb_mul(cache_diffuse_albedo(p), value->E));
     return true;
 }
 
@@ -95,7 +98,7 @@ struct lobe_sampling {
     int count;    // number of rays
     int finding;  // number of BRDF samples of the lobes that find lights, these rays and others;
                   // 0: rays do not find lights
-    uint32_t dimension;  // of the sampler, added to that of the job
+    uint32_t dimension;  // of the sampler, added to that of the lighting
     uint64_t stream;     // of random decisions at the hits
 };
 
@@ -117,10 +120,10 @@ static rgb diffuse_weight(const struct shading_point *p, const struct brdf_sampl
 }
 
 // Draws the sample of this index at the point.
-static bool draw_sample(const struct shade_job *job, const struct lobe_sampling *by, uint32_t index,
-                        struct brdf_sample *out) {
-    const struct shading_point *p = &job->vertex->point;
-    struct sampler u = {index, job->sampler.seed, job->sampler.dimension + by->dimension};
+static bool draw_sample(const struct shade_lighting *lighting, const struct lobe_sampling *by,
+                        uint32_t index, struct brdf_sample *out) {
+    const struct shading_point *p = &lighting->vertex->point;
+    struct sampler u = {index, lighting->sampler.seed, lighting->sampler.dimension + by->dimension};
     const vec2 uv = sampler_2d(&u);
     const float u_lobe = sampler_1d(&u);
     if (!by->clusters)
@@ -129,19 +132,19 @@ static bool draw_sample(const struct shade_job *job, const struct lobe_sampling 
 }
 
 // Draws gather rays. Returns the number of those that did not fail.
-static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by,
+static int draw_rays(const struct shade_lighting *lighting, const struct lobe_sampling *by,
                      struct drawn_rays *out) {
-    const struct shading_point *p = &job->vertex->point;
-    const satin_options *o = job->shade->g->options;
+    const struct shading_point *p = &lighting->vertex->point;
+    const satin_options *o = lighting->shade->g->options;
     int rays = 0;
     for (int i = 0; i < by->count; i++) {
-        const uint32_t index = job->sampler.index * (uint32_t)by->count + (uint32_t)i;
+        const uint32_t index = lighting->sampler.index * (uint32_t)by->count + (uint32_t)i;
         struct brdf_sample b;
-        if (!draw_sample(job, by, index, &b)) continue;
+        if (!draw_sample(lighting, by, index, &b)) continue;
         const vec3 d = frame_to_world(&p->frame, b.wi);
         const float width = fminf(1.0f / sqrtf(b.pdf_w * (float)by->count), SPREAD_MAX);
         out->ray[rays] = (struct gather_ray){
-            .ray = scene_spawn(job->shade->g->scene, p->interaction.p, p->interaction.ng, d),
+            .ray = scene_spawn(lighting->shade->g->scene, p->interaction.p, p->interaction.ng, d),
             .item = index,
             .spread = o->texture_filter ? width : 0.0f,
             .pdf_w = o->denoise ? b.pdf_w : 0.0f,
@@ -155,17 +158,17 @@ static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by
 
 // Importance sampling by gather rays. If by->finding > 0 they also find lights, weighted against
 // light samples, and emitted light through specular surfaces.
-static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) {
-    const struct gather *g = job->shade->g;
+static void sample_lobes(struct shade_lighting *lighting, const struct lobe_sampling *by) {
+    const struct gather *g = lighting->shade->g;
     struct drawn_rays drawn;  // not initialised as a whole, as few are used
-    const int rays = draw_rays(job, by, &drawn);
-    job->worker->counts.rays += (uint64_t)rays;
-    struct gather_scratch *scratch = job->worker->gather.scratch;
+    const int rays = draw_rays(lighting, by, &drawn);
+    lighting->worker->counts.rays += (uint64_t)rays;
+    struct gather_scratch *scratch = lighting->worker->gather.scratch;
     if (!by->clusters)
         gather_rays(g, scratch, drawn.ray, (size_t)rays, by->stream);
     else
         gather_single_rays(g, scratch, by->clusters, drawn.ray, (size_t)rays, by->stream);
-    const float ratio = (float)by->finding / (float)job->light_samples.count;
+    const float ratio = (float)by->finding / (float)lighting->light_samples.count;
     rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
         const struct gather_ray *ray = &drawn.ray[i];
@@ -179,73 +182,74 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
     }
     const float each = 1.0f / (float)by->count;
     if (by->lobes & BRDF_DIFFUSE)
-        shade_add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_scale(diffuse, each));
+        shade_add_uncached(lighting, SHADE_INDIRECT_DIFFUSE, rgb_scale(diffuse, each));
     if (by->lobes & ~(unsigned)BRDF_DIFFUSE)
-        shade_add_uncached(job, SHADE_INDIRECT_GLOSSY, rgb_scale(glossy, each));
+        shade_add_uncached(lighting, SHADE_INDIRECT_GLOSSY, rgb_scale(glossy, each));
     if (by->finding > 0) {
-        shade_add_uncached(job, SHADE_DIRECT, rgb_scale(direct, 1.0f / (float)by->finding));
-        shade_add_uncached(job, SHADE_CAUSTIC, rgb_scale(caustic, each));
+        shade_add_uncached(lighting, SHADE_DIRECT, rgb_scale(direct, 1.0f / (float)by->finding));
+        shade_add_uncached(lighting, SHADE_CAUSTIC, rgb_scale(caustic, each));
     }
 }
 
 // Adds indirect light where no record is near.
-static void sample_missing(struct shade_job *job, unsigned lobes) {
-    const struct shade_vertex *v = job->vertex;
-    const struct lobe_sampling by = {
-        gather_single_find(job->shade->g, &v->point, v->pixel, job->worker->gather.singles),
-        lobes,
-        job->shade->missing.rays,
-        0,
-        MISSING_DIMENSION,
-        rng_mix(job->pixel_stream + 1)};
-    sample_lobes(job, &by);
-    job->worker->counts.gathered++;
+static void sample_missing(struct shade_lighting *lighting, unsigned lobes) {
+    const struct shade_vertex *v = lighting->vertex;
+    const struct lobe_sampling by = {gather_single_find(lighting->shade->g, &v->point, v->pixel,
+                                                        lighting->worker->gather.singles),
+                                     lobes,
+                                     lighting->shade->missing.rays,
+                                     0,
+                                     MISSING_DIMENSION,
+                                     rng_mix(lighting->pixel_stream + 1)};
+    sample_lobes(lighting, &by);
+    lighting->worker->counts.gathered++;
 }
 
 // The luminance of direct and indirect light so far.
-static float added_luminance(const struct shade_job *job) {
-    const rgb *layer = job->out->layer;
+static float added_luminance(const struct shade_lighting *lighting) {
+    const rgb *layer = lighting->out->layer;
     return rgb_luminance(rgb_add(
         layer[SHADE_DIRECT], rgb_add(layer[SHADE_INDIRECT_DIFFUSE], layer[SHADE_INDIRECT_GLOSSY])));
 }
 
-void shade_vertex_two_pass(struct shade_job *job) {
-    const struct gather *g = job->shade->g;
-    const struct shading_point *p = &job->vertex->point;
+void shade_vertex_two_pass(struct shade_lighting *lighting) {
+    const struct gather *g = lighting->shade->g;
+    const struct shading_point *p = &lighting->vertex->point;
     const satin_options *o = g->options;
     const bool indirect = gather_indirect(o);
     struct cache_plan plan;
-    cache_plan_make(&job->shade->records, p, &plan);
+    cache_plan_make(&lighting->shade->records, p, &plan);
     struct shade_pixel_value *value =
-        shade_pixel_cache_find(&job->worker->pixel_cache, p, job->vertex->pixel);
-    job->worker->counts.points++;
+        shade_pixel_cache_find(&lighting->worker->pixel_cache, p, lighting->vertex->pixel);
+    lighting->worker->counts.points++;
 
     // The gather rays of glossy lobes find lights too.
     const unsigned sampled = indirect ? plan.sampled : 0;
-    const float before = added_luminance(job);
-    const int finding = shade_direct(job, sampled, sampled ? o->glossy_samples : 0);
+    const float before = added_luminance(lighting);
+    const int finding = shade_direct(lighting, sampled, sampled ? o->glossy_samples : 0);
     if (!indirect) return;
-    if (o->record_maps && job->shade->interpolates &&
-        cache_has_record_near(job->shade->records.cache, p->interaction.p, p->base.n,
-                              job->vertex->pixel))
-        job->out->record = 1.0f;
+    if (o->record_maps && lighting->shade->interpolates &&
+        cache_has_record_near(lighting->shade->records.cache, p->interaction.p, p->base.n,
+                              lighting->vertex->pixel))
+        lighting->out->record = 1.0f;
 
     const unsigned caustic = plan.cached | plan.diffuse;
-    struct sampler apart = job->sampler;
+    struct sampler apart = lighting->sampler;
     apart.dimension += 32;  // beyond those that the lobes below use
     const float u_caustic = sampler_1d(&apart);
-    if (plan.cached && !indirect_cached(job, &plan, value)) sample_missing(job, plan.cached);
+    if (plan.cached && !indirect_cached(lighting, &plan, value))
+        sample_missing(lighting, plan.cached);
     if (plan.diffuse && !o->irradiance_cache)
-        sample_diffuse(job);
-    else if (plan.diffuse && !diffuse_cached(job, value))
-        sample_missing(job, plan.diffuse);
+        sample_diffuse(lighting);
+    else if (plan.diffuse && !diffuse_cached(lighting, value))
+        sample_missing(lighting, plan.diffuse);
     if (plan.sampled) {
-        const struct lobe_sampling by = {NULL, plan.sampled,     o->glossy_samples, finding,
-                                         0,    job->pixel_stream};
-        sample_lobes(job, &by);
+        const struct lobe_sampling by = {NULL, plan.sampled,          o->glossy_samples, finding,
+                                         0,    lighting->pixel_stream};
+        sample_lobes(lighting, &by);
     }
-    const struct photon_other_light other = {added_luminance(job) - before, u_caustic};
+    const struct photon_other_light other = {added_luminance(lighting) - before, u_caustic};
     if (caustic)
-        shade_add_uncached(job, SHADE_CAUSTIC,
+        shade_add_uncached(lighting, SHADE_CAUSTIC,
                            photon_caustic(g->maps, g->scene, p, caustic, other));
 }

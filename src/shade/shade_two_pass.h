@@ -5,7 +5,8 @@
 
 #include "shade/shade_eye.h"
 
-struct shade_job {
+// The light of one vertex: what it is computed from, and where it is added.
+struct shade_lighting {
     const struct shade *shade;
     const struct shade_vertex *vertex;
     struct shade_worker *worker;
@@ -17,23 +18,25 @@ struct shade_job {
 };
 
 // Adds light that is from a record.
-static inline void shade_add_cached(struct shade_job *job, enum shade_layer layer, rgb L) {
-    job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
+static inline void shade_add_cached(struct shade_lighting *lighting, enum shade_layer layer,
+                                    rgb L) {
+    lighting->out->layer[layer] = rgb_fma(lighting->out->layer[layer], lighting->vertex->T, L);
 }
 
 // Adds light that is from no record.
-static inline void shade_add_uncached(struct shade_job *job, enum shade_layer layer, rgb L) {
-    shade_add_cached(job, layer, L);
-    job->out->uncached = rgb_fma(job->out->uncached, job->vertex->T, L);
+static inline void shade_add_uncached(struct shade_lighting *lighting, enum shade_layer layer,
+                                      rgb L) {
+    shade_add_cached(lighting, layer, L);
+    lighting->out->uncached = rgb_fma(lighting->out->uncached, lighting->vertex->T, L);
 }
 
 // Adds direct light (shade_direct.c). `rays` gather rays of the lobes `sampled`, drawn by the
 // caller, find lights too. Returns how many BRDF samples of these lobes find lights: those rays,
 // and further samples that shade_direct has taken. They are weighted by that number.
-int shade_direct(struct shade_job *job, unsigned sampled, int rays);
+int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays);
 
 // Integrator two-pass: adds direct, caustic, cached, gathered and importance-sampled light at the
 // vertex.
-void shade_vertex_two_pass(struct shade_job *job);
+void shade_vertex_two_pass(struct shade_lighting *lighting);
 
 #endif

@@ -52,8 +52,8 @@ RETIRED = {
     "place_(?:even|among|key|rungs|shape)|(?:by|check|find|same|instance|shape|module)_places?"
     "|fill_site \\*place": "position, index or transform; a place is a line of a file",
     "room for|room_for|denoise_room": "memory or space for",
-    "(?:rng|uniform|near|cells|tally|side|photons)(?:_|->)seen|is_seen_from"
-    "|seen_(?:s|least|fraction)|struct seen"
+    "(?:uniform|near|cells|tally|side|photons)(?:_|->)seen|is_seen_from"
+    "|seen_(?:s|least|fraction)|struct seen(?!_path)"
     "|seen of (?:the lights|(?:each|a|its|their) light)":
         "visible, visibility",
     "(?:deeper than|beyond|more than) (?:%d|64) levels|levels? of nesting|nesting levels?":
@@ -113,9 +113,9 @@ IDENTIFIERS = {
         "branch|path_branch|follow_branch": "src/gather/gather_bounces"}),
     "Room": ("rooms?", {}),
     "Seen": ("seen", {
-        "seen": r"src/(?:guide/guide(?:_view)?\.|photon/photon_maps|render/render_film"
+        "seen": r"src/(?:guide/|photon/photon|render/render_(?:budget|film)"
                 r"|scene/scene_camera_check|shade/shade\.c)",
-        "seen_count": r"src/guide/guide(?:_view)?\."}),
+        r"guide_seen(?:_\w+)?|GUIDE_SEEN_\w+|RNG_SEEN|SEEN_PATHS|seen_paths?|trace_seen": "src/"}),
     "Level": ("levels?", {
         "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_levels|plugins_texture)"
                    r"|render/render_(?:budget|covering|records)|scene/scene(?:_texture)?\.)",
@@ -125,7 +125,7 @@ IDENTIFIERS = {
         "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
     "Guide": ("guid(?:es?|ed|ing)", {
         r"(?:guide|GUIDE)_\w+": "src/(?:guide|gather|photon)/", "RNG_GUIDE": "src/(?:base|guide)/",
-        r"guide_(?:clusters|visibility)(?:_(?:build|bytes|free|most|samples))?|GUIDE_VIEW_PATHS_MAX"
+        r"guide_(?:clusters|visibility)(?:_(?:build|bytes|free|most|samples))?|GUIDE_SEEN_PATHS_MAX"
         : "include/satin/options|src/render/",
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
     # Never a fraction.
@@ -144,7 +144,8 @@ RETIRED_IDENTIFIERS = [
 TEST_IDENTIFIERS = {
     "Place": r"after_place", "Part": r"\w*(?i:part)s?\w*",
     "Branch": r"\w*(?i:branch)\w*", "Room": r"\w*(?i:room)\w*",
-    "Seen": "seen_directly", "Level": "levels?_\\w+|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
+    "Seen": "seen_directly|seen_(?:one|many)",
+    "Level": "levels?_\\w+|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
     "Guide": r"test_guide_\w+", "Shared": "MAP_SHARED|oidnSetSharedFilterImage|shared"}
 # Folders of code outside of src and include.
 OUTSIDE = ("tests/", "bench/", "data/", "docs/")
@@ -191,7 +192,7 @@ WRONG = [("src/photon/photon.h", "int KEEP_ALL;"), ("src/light/light.h", "weigh_
          ("bench/runs.py", "level = 1"),
          ("src/render/render_records.c", "// the level of noise"), ("src/base/vec.h", '"seen"')]
 RIGHT = [("src/load/load.c", "struct log_place place;"), ("src/guide/guide.h", "bool seen;"),
-         ("src/photon/photon.h", "struct guide_view view;"), ("src/load/load.c", "// at the place"),
+         ("src/photon/photon.h", "struct guide_seen seen;"), ("src/load/load.c", "// at the place"),
          ("tests/unit/load.c", "// its place"), ("bench/runs.py", "x = 'level'"),
          ("src/cache/cache.c", "// sorts in place"), ("src/render/render_budget.c", "int levels;")]
 # What stands between two words of a term at the end of a line, in a comment or a text.

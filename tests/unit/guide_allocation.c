@@ -40,7 +40,7 @@ static void lamps_in_closed_rooms_get_half(void **state) {
     guide_allocation_room(&t, true);
     const float by_power = t.scene.light_cdf[1];
     assert_true(by_power < 0.01f);
-    guide_allocation_make(&t.scene, 1, GUIDE_VIEW_PATHS_MAX, NULL, &allocation);
+    guide_allocation_make(&t.scene, 1, GUIDE_SEEN_PATHS_MAX, NULL, &allocation);
     assert_false(allocation.by_power);
     assert_true(fabsf(allocation.fraction[0] - 0.5f - 0.5f * by_power) < 1e-6f);
     assert_true(fabsf(allocation.fraction[0] + allocation.fraction[1] - 1.0f) < 1e-6f);
@@ -52,34 +52,34 @@ static void skies_over_open_floors_get_most(void **state) {
     struct test_scene t;
     struct guide_allocation allocation;
     guide_allocation_room(&t, false);
-    guide_allocation_make(&t.scene, 1, GUIDE_VIEW_PATHS_MAX, NULL, &allocation);
+    guide_allocation_make(&t.scene, 1, GUIDE_SEEN_PATHS_MAX, NULL, &allocation);
     // Walks leave the floor upwards and hit only the back of the lamp, or the sky.
     assert_true(allocation.by_power || allocation.fraction[1] > 0.5f);
     test_scene_free(&t);
 }
 
-// The view and the allocation are the same to the bit for any number of threads.
+// What is seen and the allocation are the same to the bit for any number of threads.
 static void threads_do_not_change_the_allocation(void **state) {
     (void)state;
     struct test_scene t;
     guide_allocation_room(&t, true);
     struct guide_allocation one, many;
-    struct guide_view view_one, view_many;
-    memset(&view_one, 0, sizeof view_one);
-    memset(&view_many, 0, sizeof view_many);
+    struct guide_seen seen_one, seen_many;
+    memset(&seen_one, 0, sizeof seen_one);
+    memset(&seen_many, 0, sizeof seen_many);
     struct parallel *pool = parallel_new(3);
     assert_non_null(pool);
-    guide_allocation_make(&t.scene, 1, GUIDE_VIEW_PATHS_MAX, NULL, &one);
-    guide_allocation_make(&t.scene, 1, GUIDE_VIEW_PATHS_MAX, pool, &many);
-    guide_view_make(&t.scene, 1, GUIDE_VIEW_PATHS_MAX, NULL, &view_one);
-    guide_view_make(&t.scene, 1, GUIDE_VIEW_PATHS_MAX, pool, &view_many);
+    guide_allocation_make(&t.scene, 1, GUIDE_SEEN_PATHS_MAX, NULL, &one);
+    guide_allocation_make(&t.scene, 1, GUIDE_SEEN_PATHS_MAX, pool, &many);
+    guide_seen_make(&t.scene, 1, GUIDE_SEEN_PATHS_MAX, NULL, &seen_one);
+    guide_seen_make(&t.scene, 1, GUIDE_SEEN_PATHS_MAX, pool, &seen_many);
     parallel_free(pool);
     assert_false(one.by_power);
     assert_memory_equal(one.fraction, many.fraction, t.scene.light_count * sizeof *one.fraction);
-    assert_true(view_one.seen_count > 0);
-    assert_int_equal(view_one.seen_count, view_many.seen_count);
-    assert_true(view_one.ray_length == view_many.ray_length);
-    assert_memory_equal(view_one.seen, view_many.seen, sizeof view_one.seen);
+    assert_true(seen_one.count > 0);
+    assert_int_equal(seen_one.count, seen_many.count);
+    assert_true(seen_one.ray_length == seen_many.ray_length);
+    assert_memory_equal(seen_one.box, seen_many.box, sizeof seen_one.box);
     test_scene_free(&t);
 }
 
@@ -89,7 +89,7 @@ static void allocation_keeps_the_power(void **state) {
     struct test_scene t;
     guide_allocation_room(&t, true);
     struct guide_allocation allocation;
-    guide_allocation_make(&t.scene, 1, GUIDE_VIEW_PATHS_MAX, NULL, &allocation);
+    guide_allocation_make(&t.scene, 1, GUIDE_SEEN_PATHS_MAX, NULL, &allocation);
     struct parallel *pool = parallel_new(1);
     assert_non_null(pool);
     const struct photon_tracing tracing = {.scene = &t.scene,

@@ -295,16 +295,16 @@ static void wedge_scene(struct test_scene *t, enum light_kind kind, float half) 
     test_scene_finish(t);
 }
 
-// If view is NULL, emission is not aimed.
-static struct photon_trace trace_caustics(const struct test_scene *t, const struct guide_view *view,
+// If seen is NULL, emission is not aimed.
+static struct photon_trace trace_caustics(const struct test_scene *t, const struct guide_seen *seen,
                                           uint64_t paths) {
     struct parallel *pool = pool_of(2);
     struct guide_emission *emission = NULL;
     struct photon_trace trace[PHOTON_CONSUMERS];
-    struct guide_emission_request input = {&t->scene, view, 1, paths};
-    if (view)
+    struct guide_emission_request input = {&t->scene, seen, 1, paths};
+    if (seen)
         assert_int_equal(guide_emission_build(&input, pool, (struct log){0}, &emission), SATIN_OK);
-    assert_true((emission != NULL) == (view != NULL));
+    assert_true((emission != NULL) == (seen != NULL));
     struct photon_tracing tracing = {.scene = &t->scene,
                                      .seed = 1,
                                      .consumer = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
@@ -332,7 +332,7 @@ static void aimed_emission_is_unbiased(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
                                             LIGHT_CONSTANT};
-    const struct guide_view none = {0};
+    const struct guide_seen none = {0};
     for (int i = 0; i < 5; i++) {
         struct test_scene t;
         caustic_scene(&t, kinds[i]);
@@ -369,15 +369,15 @@ static void large_wedges_are_aimed_through(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
                                             LIGHT_CONSTANT};
-    const struct guide_view none = {0};
-    struct guide_view view = {.seen_count = 1};
-    for (int k = 0; k < GUIDE_VIEW_BOXES; k++)
-        view.seen[k] = (struct light_target){v3(-0.5f, -0.5f, -0.1f), v3(0.5f, 0.5f, 0.1f)};
+    const struct guide_seen none = {0};
+    struct guide_seen seen = {.count = 1};
+    for (int k = 0; k < GUIDE_SEEN_BOXES; k++)
+        seen.box[k] = (struct light_target){v3(-0.5f, -0.5f, -0.1f), v3(0.5f, 0.5f, 0.1f)};
     for (int i = 0; i < 5; i++) {
         struct test_scene t;
         wedge_scene(&t, kinds[i], 20.0f);
         struct photon_trace plain = trace_caustics(&t, &none, 1000000),
-                            aimed = trace_caustics(&t, &view, 40000);
+                            aimed = trace_caustics(&t, &seen, 40000);
         double a, b;
         size_t n, m;
         sum_near(&plain, 0.4f, &a, &n);

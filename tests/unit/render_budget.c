@@ -110,9 +110,9 @@ static void the_number_of_paths_follows_from_that_of_photons(void **state) {
 static void as_many_paths_show_the_view_as_it_can_hold(void **state) {
     (void)state;
     const satin_options o = {.photons = 1 << 20};
-    const int view = render_budget_paths(&o).view;
-    assert_true(view >= 1 && view <= GUIDE_VIEW_PATHS_MAX);
-    assert_true(render_budget_visibility(&o).paths >= view);
+    const int seen = render_budget_paths(&o).seen;
+    assert_true(seen >= 1 && seen <= GUIDE_SEEN_PATHS_MAX);
+    assert_true(render_budget_visibility(&o).paths >= seen);
 }
 
 static void rays_per_bin_grow_with_photons(void **state) {

@@ -29,11 +29,11 @@ static const double ALPHA = 2.0 / 3.0;
 // the error of 16 passes is 1.2 to 2.6 times as large in rooms with glossy walls.
 static const float SHARP_PDF = 3.0f;
 
-struct photon_progressive {
+struct photon_sppm {
     const struct satin_scene *scene;
     const satin_options *options;
     struct photon_paths paths;
-    struct guide_view view;
+    struct guide_seen seen;
     struct guide_allocation allocation;
     struct guide_emission *emission;            // NULL: there are no caustics
     struct photon_map first[PROGRESSIVE_MAPS];  // with radii
@@ -43,7 +43,7 @@ struct photon_progressive {
 };
 
 // Traces the photons of a pass and builds a map from them.
-static satin_status trace_map(const struct photon_progressive *p, int kind, uint64_t pass,
+static satin_status trace_map(const struct photon_sppm *p, int kind, uint64_t pass,
                               struct parallel *pool, struct log log, struct stats *stats,
                               struct photon_map *out) {
     const bool caustic = kind == MAP_CAUSTIC;
@@ -60,26 +60,26 @@ static satin_status trace_map(const struct photon_progressive *p, int kind, uint
 }
 
 // Traces the photons of a pass for all maps.
-static satin_status trace_pass(const struct photon_progressive *p, uint64_t pass,
-                               struct parallel *pool, struct log log, struct stats *stats,
+static satin_status trace_pass(const struct photon_sppm *p, uint64_t pass, struct parallel *pool,
+                               struct log log, struct stats *stats,
                                struct photon_map map[PROGRESSIVE_MAPS]) {
     satin_status status = trace_map(p, MAP_INDIRECT, pass, pool, log, stats, &map[MAP_INDIRECT]);
     if (status != SATIN_OK || !p->emission) return status;
     return trace_map(p, MAP_CAUSTIC, pass, pool, log, stats, &map[MAP_CAUSTIC]);
 }
 
-struct open_job {
+struct open_loop {
     const struct satin_scene *scene;
     struct photon_map *map;
 };
 
 static void find_open(void *ctx, size_t begin, size_t end, int worker) {
-    const struct open_job *job = ctx;
-    const struct photon_map *map = job->map;
+    const struct open_loop *loop = ctx;
+    const struct photon_map *map = loop->map;
     (void)worker;
     for (size_t i = begin; i < end; i++)
         map->whole_disc[i] =
-            photon_area_clear(job->scene, photon_position(map, i), photon_unpack(map->photon[i].n),
+            photon_area_clear(loop->scene, photon_position(map, i), photon_unpack(map->photon[i].n),
                               sqrtf(map->radius2[i]));
 }
 
@@ -92,23 +92,23 @@ static satin_status find_discs(const struct satin_scene *scene, struct photon_ma
     if (!map->whole_disc) return SATIN_ERROR_MEMORY;
     satin_status status = photon_map_find_radii(map, k, pool);
     if (status != SATIN_OK) return status;
-    struct open_job job = {scene, map};
-    return parallel_for(pool, map->count, OPEN_CHUNK, find_open, &job) ? SATIN_OK : SATIN_CANCELLED;
+    struct open_loop loop = {scene, map};
+    return parallel_for(pool, map->count, OPEN_CHUNK, find_open, &loop) ? SATIN_OK
+                                                                        : SATIN_CANCELLED;
 }
 
-satin_status photon_progressive_new(const struct photon_request *request, struct parallel *pool,
-                                    struct log log, struct stats *stats,
-                                    struct photon_progressive **out) {
-    struct photon_progressive *p = calloc(1, sizeof *p);
+satin_status photon_sppm_new(const struct photon_request *request, struct parallel *pool,
+                             struct log log, struct stats *stats, struct photon_sppm **out) {
+    struct photon_sppm *p = calloc(1, sizeof *p);
     if (!p) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photon maps");
     p->scene = request->scene;
     p->options = request->options;
     p->paths = request->paths;
     p->shrink2 = 1.0f;
-    parallel_begin_part(pool, "view");
-    guide_view_make(p->scene, p->options->seed, p->paths.view, pool, &p->view);
-    guide_allocation_make(p->scene, p->options->seed, p->paths.view, pool, &p->allocation);
-    const struct guide_emission_request emission = {p->scene, &p->view, p->options->seed,
+    parallel_begin_part(pool, "seen");
+    guide_seen_make(p->scene, p->options->seed, p->paths.seen, pool, &p->seen);
+    guide_allocation_make(p->scene, p->options->seed, p->paths.seen, pool, &p->allocation);
+    const struct guide_emission_request emission = {p->scene, &p->seen, p->options->seed,
                                                     p->paths.caustic};
     satin_status status = SATIN_OK;
     if (p->paths.caustic) status = guide_emission_build(&emission, pool, log, &p->emission);
@@ -121,7 +121,7 @@ satin_status photon_progressive_new(const struct photon_request *request, struct
     if (status == SATIN_OK)
         *out = p;
     else
-        photon_progressive_free(p);
+        photon_sppm_free(p);
     return status;
 }
 
@@ -129,7 +129,7 @@ static void free_pass(struct photon_map map[PROGRESSIVE_MAPS]) {
     for (int i = 0; i < PROGRESSIVE_MAPS; i++) photon_map_free(&map[i]);
 }
 
-void photon_progressive_free(struct photon_progressive *p) {
+void photon_sppm_free(struct photon_sppm *p) {
     if (!p) return;
     guide_emission_free(p->emission);
     free_pass(p->first);
@@ -138,17 +138,17 @@ void photon_progressive_free(struct photon_progressive *p) {
 }
 
 // Shrinks the discs from those of the last pass to those of the next one.
-static void begin_pass(struct photon_progressive *p) {
+static void begin_pass(struct photon_sppm *p) {
     if (p->passes) p->shrink2 *= (float)(((double)p->passes + ALPHA) / ((double)p->passes + 1.0));
     p->passes++;
 }
 
-void photon_progressive_skip(struct photon_progressive *p, uint32_t passes) {
+void photon_sppm_skip(struct photon_sppm *p, uint32_t passes) {
     for (uint32_t i = 0; i < passes; i++) begin_pass(p);
 }
 
-satin_status photon_progressive_next(struct photon_progressive *p, struct parallel *pool,
-                                     struct log log, struct stats *stats) {
+satin_status photon_sppm_next(struct photon_sppm *p, struct parallel *pool, struct log log,
+                              struct stats *stats) {
     struct photon_map map[PROGRESSIVE_MAPS] = {{0}};
     satin_status status = trace_pass(p, p->passes + 1, pool, log, stats, map);
     if (status != SATIN_OK) {
@@ -164,9 +164,9 @@ satin_status photon_progressive_next(struct photon_progressive *p, struct parall
 // The radiance that a point reflects of the photons of a map in the present pass. Its initial
 // squared radius is at least that of the nearest photon of that map, and so large that the disc
 // contains that photon.
-static rgb map_radiance(const struct photon_progressive *progressive, int kind,
-                        const struct shading_point *point, const struct photon_reflection *at) {
-    const struct photon_map *first = &progressive->first[kind], *map = &progressive->map[kind];
+static rgb map_radiance(const struct photon_sppm *sppm, int kind, const struct shading_point *point,
+                        const struct photon_reflection *at) {
+    const struct photon_map *first = &sppm->first[kind], *map = &sppm->map[kind];
     if (!first->count || !map->count) return rgb_grey(0.0f);
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
@@ -175,7 +175,7 @@ static rgb map_radiance(const struct photon_progressive *progressive, int kind,
     photon_index_nearest(first->index, q, 1, 1, INFINITY, row, distance2);
     if (row[0] < 0) return rgb_grey(0.0f);
     const bool whole = first->whole_disc[row[0]];
-    const float r2 = progressive->shrink2 * fmaxf(first->radius2[row[0]], distance2[0]);
+    const float r2 = sppm->shrink2 * fmaxf(first->radius2[row[0]], distance2[0]);
     struct photon_disc disc = {.map = map,
                                .p = p,
                                .n = point->ng,
@@ -187,12 +187,12 @@ static rgb map_radiance(const struct photon_progressive *progressive, int kind,
     if (disc.count == PHOTON_K_MAX) disc.r2 = photon_radius2(map, row, distance2, disc.count);
     if (disc.count == 0) return rgb_grey(0.0f);
     disc.r = sqrtf(disc.r2);
-    photon_disc_scale(&disc, whole ? NULL : progressive->scene);
+    photon_disc_scale(&disc, whole ? NULL : sppm->scene);
     return photon_disc_radiance(&disc, at);
 }
 
-rgb photon_progressive_radiance(const struct photon_progressive *p,
-                                const struct shading_point *point, int depth) {
+rgb photon_sppm_radiance(const struct photon_sppm *p, const struct shading_point *point,
+                         int depth) {
     struct photon_reflection at =
         photon_reflection_make(&point->frame, &point->brdf, point->wo_l, BRDF_REFLECT);
     at.pdf_most = SHARP_PDF;
@@ -202,7 +202,7 @@ rgb photon_progressive_radiance(const struct photon_progressive *p,
     return L;
 }
 
-rgb photon_progressive_rest(const struct shading_point *point, const struct brdf_sample *sample) {
+rgb photon_sppm_rest(const struct shading_point *point, const struct brdf_sample *sample) {
     const struct brdf *b = &point->brdf;
     if (!(sample->pdf_w > 0.0f) || !(point->wo_l.z * sample->wi.z > 0.0f)) return sample->weight;
     if (!brdf_is_sharp(b, point->wo_l, sample->wi, SHARP_PDF)) return rgb_grey(0.0f);

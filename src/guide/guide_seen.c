@@ -13,7 +13,7 @@
 
 enum { SPECULAR_MAX = 16 };
 
-static const double QUANTILE[GUIDE_VIEW_BOXES] = {1.0, 0.9, 0.5};
+static const double QUANTILE[GUIDE_SEEN_BOXES] = {1.0, 0.9, 0.5};
 
 // A box is a target only if its surface is less than this fraction of that around it.
 #define SMALLER 0.25f
@@ -24,7 +24,7 @@ struct point {
 };
 
 struct cloud {
-    struct point point[GUIDE_VIEW_PATHS_MAX];
+    struct point point[GUIDE_SEEN_PATHS_MAX];
     int count;
 };
 
@@ -38,7 +38,7 @@ static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = 
 // ---- Boxes ------------------------------------------------------------------------------------
 
 static float median(const struct cloud *cloud, int axis) {
-    float x[GUIDE_VIEW_PATHS_MAX];
+    float x[GUIDE_SEEN_PATHS_MAX];
     for (int i = 0; i < cloud->count; i++) x[i] = v3_along(cloud->point[i].p, axis);
     qsort(x, (size_t)cloud->count, sizeof *x, array_compare_floats);
     return x[cloud->count / 2];
@@ -51,7 +51,7 @@ static void make_boxes(struct cloud *cloud, struct light_target *box) {
         cloud->point[i].distance = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
     }
     qsort(cloud->point, (size_t)cloud->count, sizeof *cloud->point, compare_points);
-    for (int k = 0; k < GUIDE_VIEW_BOXES; k++) {
+    for (int k = 0; k < GUIDE_SEEN_BOXES; k++) {
         vec3 lo = middle, hi = middle;
         for (int i = 0; i < (int)(QUANTILE[k] * cloud->count); i++) {
             lo = v3_min(lo, cloud->point[i].p);
@@ -71,7 +71,7 @@ static float surface(const struct light_target *box) {
 // Adds those boxes, of descending size, that are small compared to the one before.
 static void add_spots(const struct light_target *box, struct light_aim *aim) {
     float around = surface(&aim->all);
-    for (int k = 0; k < GUIDE_VIEW_BOXES; k++) {
+    for (int k = 0; k < GUIDE_SEEN_BOXES; k++) {
         float own = surface(&box[k]);
         if (!(own > 0.0f) || own > SMALLER * around) continue;
         aim->target[aim->count++] = box[k];
@@ -79,15 +79,15 @@ static void add_spots(const struct light_target *box, struct light_aim *aim) {
     }
 }
 
-void guide_view_aim(const struct guide_view *view, struct light_target all, struct light_aim *out) {
+void guide_seen_aim(const struct guide_seen *seen, struct light_target all, struct light_aim *out) {
     *out = (struct light_aim){.all = all};
-    if (view->seen_count > 0) add_spots(view->seen, out);
-    if (view->specular_count > 0) add_spots(view->specular, out);
+    if (seen->count > 0) add_spots(seen->box, out);
+    if (seen->specular_count > 0) add_spots(seen->specular_box, out);
 }
 
 // ---- Paths ------------------------------------------------------------------------------------
 
-bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
+bool guide_seen_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
                        struct interaction *s, vec3 *n, struct light_chain *chain) {
     *chain = light_chain_begin(ray->d);
     for (int i = 0; i < SPECULAR_MAX; i++) {
@@ -108,7 +108,7 @@ bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct 
     return false;
 }
 
-bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
+bool guide_seen_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n) {
     const struct scene_film *film = &scene->film;
     const vec2 pixel = sample_sobol2(i, 0);
@@ -117,34 +117,34 @@ bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng
     struct ray ray =
         scene_camera_ray(scene, scene_camera_sample(scene, i), at, (vec2){0.5f, 0.5f}, NULL);
     struct light_chain chain;
-    return guide_view_follow(scene, &ray, rng, s, n, &chain);
+    return guide_seen_follow(scene, &ray, rng, s, n, &chain);
 }
 
 // The hits of a path.
-struct view_path {
+struct seen_path {
     bool seen, hit, specular;  // whether x was found, a surface behind it, and whether that is
                                // ideal specular
     vec3 x, end;               // positions of x and of that surface
     float length;              // distance between them
 };
 
-struct view_paths {
+struct seen_paths {
     const struct satin_scene *scene;
     uint64_t seed;
-    struct view_path path[GUIDE_VIEW_PATHS_MAX];
+    struct seen_path path[GUIDE_SEEN_PATHS_MAX];
 };
 
-static void trace_view(void *ctx, size_t begin, size_t end, int worker) {
-    struct view_paths *paths = ctx;
+static void trace_seen(void *ctx, size_t begin, size_t end, int worker) {
+    struct seen_paths *paths = ctx;
     const struct satin_scene *scene = paths->scene;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct rng rng = rng_make(paths->seed, RNG_VIEW, i);
+        struct rng rng = rng_make(paths->seed, RNG_SEEN, i);
         const vec2 direction = sample_sobol2((uint32_t)i, 1);
-        struct view_path *path = &paths->path[i];
+        struct seen_path *path = &paths->path[i];
         struct interaction s;
         vec3 n = v3(0, 0, 1);
-        *path = (struct view_path){.seen = guide_view_eye(scene, (uint32_t)i, &rng, &s, &n)};
+        *path = (struct seen_path){.seen = guide_seen_eye(scene, (uint32_t)i, &rng, &s, &n)};
         if (!path->seen) continue;
         path->x = s.p;
         const struct frame frame = frame_from_normal(n);
@@ -158,23 +158,23 @@ static void trace_view(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-void guide_view_make(const struct satin_scene *scene, uint64_t seed, int paths,
-                     struct parallel *pool, struct guide_view *out) {
-    struct view_paths view = {.scene = scene, .seed = seed};
+void guide_seen_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                     struct parallel *pool, struct guide_seen *out) {
+    struct seen_paths traced = {.scene = scene, .seed = seed};
     struct cloud seen = {.count = 0}, specular = {.count = 0};
-    float length[GUIDE_VIEW_PATHS_MAX];
+    float length[GUIDE_SEEN_PATHS_MAX];
     int hits = 0;
-    parallel_for_all(pool, (size_t)paths, GUIDE_VIEW_CHUNK, trace_view, &view);
+    parallel_for_all(pool, (size_t)paths, GUIDE_SEEN_CHUNK, trace_seen, &traced);
     for (int i = 0; i < paths; i++) {
-        const struct view_path *path = &view.path[i];
+        const struct seen_path *path = &traced.path[i];
         if (path->seen) add(&seen, path->x);
         if (path->hit) length[hits++] = path->length;
         if (path->specular) add(&specular, path->end);
     }
-    *out = (struct guide_view){
-        .ray_length = INFINITY, .seen_count = seen.count, .specular_count = specular.count};
+    *out = (struct guide_seen){
+        .ray_length = INFINITY, .count = seen.count, .specular_count = specular.count};
     qsort(length, (size_t)hits, sizeof *length, array_compare_floats);
     if (hits > 0) out->ray_length = length[hits / 2];
-    if (seen.count > 0) make_boxes(&seen, out->seen);
-    if (specular.count > 0) make_boxes(&specular, out->specular);
+    if (seen.count > 0) make_boxes(&seen, out->box);
+    if (specular.count > 0) make_boxes(&specular, out->specular_box);
 }

@@ -32,12 +32,11 @@ static struct shading_point furnace_point(const struct test_scene *t, int i, boo
 
 // Means over the points of the walls and over all passes: of green, and of the squares of the
 // differences of the points' means from `exact`.
-struct progressive_result {
+struct sppm_result {
     double mean, error2;
 };
 
-static struct progressive_result furnace_reflection(int max_depth, bool edge, int passes,
-                                                    double exact) {
+static struct sppm_result furnace_reflection(int max_depth, bool edge, int passes, double exact) {
     struct test_scene t;
     test_scene_init(&t);
     uint32_t grey = test_diffuse(&t, ALBEDO, ALBEDO, ALBEDO);
@@ -50,25 +49,23 @@ static struct progressive_result furnace_reflection(int max_depth, bool edge, in
     struct parallel *pool = parallel_new(2);
     struct stats stats = {0};
     const struct photon_request request = {&t.scene, &o, render_budget_paths(&o)};
-    struct photon_progressive *progressive;
-    assert_int_equal(photon_progressive_new(&request, pool, (struct log){0}, &stats, &progressive),
-                     SATIN_OK);
+    struct photon_sppm *sppm;
+    assert_int_equal(photon_sppm_new(&request, pool, (struct log){0}, &stats, &sppm), SATIN_OK);
     double sum[POINTS] = {0};
     for (int i = 0; i < passes; i++) {
-        assert_int_equal(photon_progressive_next(progressive, pool, (struct log){0}, &stats),
-                         SATIN_OK);
+        assert_int_equal(photon_sppm_next(sppm, pool, (struct log){0}, &stats), SATIN_OK);
         for (int k = 0; k < POINTS; k++) {
             const struct shading_point point = furnace_point(&t, k, edge);
-            sum[k] += (double)photon_progressive_radiance(progressive, &point, 1).g / passes;
+            sum[k] += (double)photon_sppm_radiance(sppm, &point, 1).g / passes;
         }
     }
-    struct progressive_result result = {0};
+    struct sppm_result result = {0};
     for (int k = 0; k < POINTS; k++) {
         result.mean += sum[k] / POINTS;
         result.error2 += (sum[k] - exact) * (sum[k] - exact) / POINTS;
     }
     assert_int_equal((int)stats_get(&stats, "photons.emitted"), (passes + 1) * (int)o.photons);
-    photon_progressive_free(progressive);
+    photon_sppm_free(sppm);
     parallel_free(pool);
     test_scene_free(&t);
     return result;
