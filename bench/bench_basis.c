@@ -67,7 +67,8 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
         const struct gather_site site = {s.p,  n,        frame_from_normal(n), layer, true,
                                          NULL, {0, 0, 0}};
         gather_hemisphere_trace(g, layout, &site, worker->scratch, worker->hemisphere);
-        gather_hemisphere_radiance(g, h, &(struct gather_radiance){.lambda = lambda});
+        gather_hemisphere_radiance(h, g->options->radiance_gradients,
+                                   &(struct gather_radiance){.lambda = lambda});
         for (size_t i = 0, k = layer * RAYS; i < RAYS; i++, k++) {
             x[k] = h->x[i], y[k] = h->y[i], z[k] = h->z[i];
             out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(h->L[i]);

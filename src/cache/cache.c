@@ -25,32 +25,35 @@ static void project_cosine(float *out, satin_basis basis, int order) {
     }
 }
 
-struct cache_options cache_options_of(const satin_options *o, enum cache_kind kind) {
-    if (kind == CACHE_IRRADIANCE)
-        return (struct cache_options){.a = o->irradiance_a,
-                                      .widen = o->irradiance_widen,
-                                      .rays = o->irradiance_rays,
-                                      .noise = o->irradiance_noise,
-                                      .basis = o->radiance_basis,
-                                      .gradients = o->irradiance_gradients,
-                                      .radius = o->irradiance_radius,
-                                      .gradient_clamp = o->irradiance_gradient_clamp,
-                                      .neighbour_clamp = o->irradiance_neighbour_clamp,
-                                      .min_pixels = o->irradiance_min_pixels,
-                                      .max_pixels = o->irradiance_max_pixels,
-                                      .max_radius = o->record_max_radius};
-    return (struct cache_options){.a = o->radiance_a,
-                                  .widen = o->radiance_widen,
-                                  .rays = o->radiance_rays,
-                                  .noise = o->radiance_noise,
-                                  .basis = o->radiance_basis,
-                                  .gradients = o->radiance_gradients,
-                                  .radius = o->radiance_radius,
-                                  .gradient_clamp = o->radiance_gradient_clamp,
-                                  .neighbour_clamp = o->radiance_neighbour_clamp,
-                                  .min_pixels = o->radiance_min_pixels,
-                                  .max_pixels = o->radiance_max_pixels,
-                                  .max_radius = o->record_max_radius};
+void cache_options_of(const satin_options *o, struct cache_options out[CACHE_KINDS]) {
+    out[CACHE_IRRADIANCE] = (struct cache_options){.cache = o->irradiance_cache,
+                                                   .a = o->irradiance_a,
+                                                   .widen = o->irradiance_widen,
+                                                   .rays = o->irradiance_rays,
+                                                   .noise = o->irradiance_noise,
+                                                   .basis = o->radiance_basis,
+                                                   .gradients = o->irradiance_gradients,
+                                                   .radius = o->irradiance_radius,
+                                                   .gradient_clamp = o->irradiance_gradient_clamp,
+                                                   .neighbour_clamp = o->irradiance_neighbour_clamp,
+                                                   .min_pixels = o->irradiance_min_pixels,
+                                                   .max_pixels = o->irradiance_max_pixels,
+                                                   .max_radius = o->record_max_radius};
+    out[CACHE_RADIANCE] =
+        (struct cache_options){.cache = o->radiance_cache,
+                               .diffuse = o->radiance_cache && o->radiance_diffuse,
+                               .a = o->radiance_a,
+                               .widen = o->radiance_widen,
+                               .rays = o->radiance_rays,
+                               .noise = o->radiance_noise,
+                               .basis = o->radiance_basis,
+                               .gradients = o->radiance_gradients,
+                               .radius = o->radiance_radius,
+                               .gradient_clamp = o->radiance_gradient_clamp,
+                               .neighbour_clamp = o->radiance_neighbour_clamp,
+                               .min_pixels = o->radiance_min_pixels,
+                               .max_pixels = o->radiance_max_pixels,
+                               .max_radius = o->record_max_radius};
 }
 
 struct cache *cache_new(const struct satin_scene *scene, const satin_options *options, int order) {
@@ -58,11 +61,16 @@ struct cache *cache_new(const struct satin_scene *scene, const satin_options *op
     if (!c) return NULL;
     c->scene = scene;
     c->options = options;
+    struct cache_options of[CACHE_KINDS];
+    cache_options_of(options, of);
+    c->store[CACHE_IRRADIANCE] = (struct cache_store){
+        .filled = true, .record_bytes = sizeof(struct cache_irradiance_record)};
+    c->store[CACHE_RADIANCE] = (struct cache_store){
+        .filled = order > 0, .order = order, .record_bytes = sizeof(struct cache_radiance_record)};
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
-        c->store[k].options = cache_options_of(options, k);
+        c->store[k].options = of[k];
         cache_tree_init(&c->store[k].tree, scene->bounds_lo, scene->bounds_hi);
     }
-    c->store[CACHE_RADIANCE].order = order;
     if (!order) return c;
     c->cosine_order = options->radiance_basis == SATIN_HSH && order > 2 ? 2 : order;
     c->cosine = array_new((size_t)(c->cosine_order * c->cosine_order), sizeof *c->cosine);
@@ -76,10 +84,10 @@ struct cache *cache_new(const struct satin_scene *scene, const satin_options *op
 
 void cache_free(struct cache *cache) {
     if (!cache) return;
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
         cache_tree_free(&cache->store[k].tree);
-    free(cache->irradiance);
-    free(cache->radiance);
+        free(cache->store[k].record);
+    }
     arena_free(&cache->radiance_arena);
     free(cache->cosine);
     free(cache);
@@ -107,11 +115,12 @@ static double tree_bytes(const struct cache_tree *t) {
 }
 
 double cache_bytes(const struct cache *cache) {
-    return tree_bytes(&cache->store[CACHE_IRRADIANCE].tree) +
-           tree_bytes(&cache->store[CACHE_RADIANCE].tree) +
-           (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +
-           (double)(cache->radiance_capacity * sizeof *cache->radiance) +
-           (double)cache->radiance_arena.bytes;
+    double bytes = (double)cache->radiance_arena.bytes;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+        const struct cache_store *store = &cache->store[k];
+        bytes += tree_bytes(&store->tree) + (double)(store->capacity * store->record_bytes);
+    }
+    return bytes;
 }
 
 void cache_limit(struct cache *cache, double bytes) { cache->bytes_most = bytes; }

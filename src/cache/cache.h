@@ -118,8 +118,8 @@ bool cache_shape_textured(const struct material_side *side);
 struct cache_reader {
     const struct cache *cache;  // NULL: no records are read
     const struct cache_tables *tables;
-    const satin_options *options;
-    float a_irradiance, a_radiance;  // accuracies at which records are read
+    struct cache_options options[CACHE_KINDS];
+    float a[CACHE_KINDS];  // accuracies at which records of each kind are read
 };
 // Reads records at the accuracies of the options.
 struct cache_reader cache_reader_make(const struct cache *cache, const struct cache_tables *tables,

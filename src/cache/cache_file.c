@@ -23,7 +23,7 @@ static float *put3(float *out, float a, float b, float c) {
 static float *put_vec3(float *out, vec3 v) { return put3(out, v.x, v.y, v.z); }
 
 static void put_irradiance(const struct cache *cache, size_t i, float *out) {
-    const struct cache_irradiance_record *record = &cache->irradiance[i];
+    const struct cache_irradiance_record *record = &cache->store[CACHE_IRRADIANCE].irradiance[i];
     const struct cache_irradiance_value *v = &record->value;
     out = put3(out, v->E.r, v->E.g, v->E.b);
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_t[c]);
@@ -46,7 +46,7 @@ static bool get_irradiance(struct cache *cache, const struct cache_head *head, c
 
 // In memory a gradient has four lanes per coefficient, of which the file has the three colours.
 static void put_radiance(const struct cache *cache, size_t i, float *out) {
-    const struct cache_radiance_record *record = &cache->radiance[i];
+    const struct cache_radiance_record *record = &cache->store[CACHE_RADIANCE].radiance[i];
     const int order = cache->store[CACHE_RADIANCE].order;
     out = put_vec3(put_vec3(put_vec3(out, record->frame.u), record->frame.v), record->frame.n);
     *out++ = record->radius_ratio;

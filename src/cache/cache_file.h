@@ -20,7 +20,9 @@ enum cache_section {
 };
 // The sections of a kind of records.
 static inline enum cache_section cache_file_heads(enum cache_kind kind) {
-    return kind == CACHE_IRRADIANCE ? SECTION_IRRADIANCE_HEADS : SECTION_RADIANCE_HEADS;
+    static const enum cache_section heads[CACHE_KINDS] = {
+        [CACHE_IRRADIANCE] = SECTION_IRRADIANCE_HEADS, [CACHE_RADIANCE] = SECTION_RADIANCE_HEADS};
+    return heads[kind];
 }
 static inline enum cache_section cache_file_values(enum cache_kind kind) {
     return (enum cache_section)(cache_file_heads(kind) + 1);

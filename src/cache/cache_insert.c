@@ -12,27 +12,13 @@ float *cache_value_new(struct cache *cache) {
                        sizeof(float));
 }
 
-// The array of the records of one kind.
-struct record_array {
-    void **record;
-    size_t *capacity, size;  // size: bytes of a record
-};
-
-static struct record_array array_of(struct cache *c, enum cache_kind kind) {
-    if (kind == CACHE_IRRADIANCE)
-        return (struct record_array){(void **)&c->irradiance, &c->irradiance_capacity,
-                                     sizeof *c->irradiance};
-    return (struct record_array){(void **)&c->radiance, &c->radiance_capacity, sizeof *c->radiance};
-}
-
 static bool insert(struct cache *cache, enum cache_kind kind, const struct cache_head *head,
                    const void *record, uint32_t rays) {
-    struct cache_tree *tree = &cache->store[kind].tree;
-    const struct record_array array = array_of(cache, kind);
-    const size_t next = tree->head_count;
-    if (!array_reserve(array.record, array.capacity, next + 1, array.size)) return false;
-    memcpy((char *)*array.record + next * array.size, record, array.size);
-    if (!cache_tree_insert(tree, head)) return false;
+    struct cache_store *store = &cache->store[kind];
+    const size_t next = store->tree.head_count, size = store->record_bytes;
+    if (!array_reserve(&store->record, &store->capacity, next + 1, size)) return false;
+    memcpy((char *)store->record + next * size, record, size);
+    if (!cache_tree_insert(&store->tree, head)) return false;
     cache->rays += rays;
     return true;
 }
@@ -45,4 +31,33 @@ bool cache_insert_irradiance(struct cache *cache, const struct cache_head *head,
 bool cache_insert_radiance(struct cache *cache, const struct cache_head *head,
                            const struct cache_radiance_record *record) {
     return insert(cache, CACHE_RADIANCE, head, record, record->rays);
+}
+
+typedef bool copy_fn(struct cache *cache, const struct cache_head *head,
+                     const struct cache_store *from, size_t i);
+
+static bool copy_irradiance(struct cache *cache, const struct cache_head *head,
+                            const struct cache_store *from, size_t i) {
+    return cache_insert_irradiance(cache, head, &from->irradiance[i]);
+}
+
+static bool copy_radiance(struct cache *cache, const struct cache_head *head,
+                          const struct cache_store *from, size_t i) {
+    struct cache_radiance_record record = from->radiance[i];
+    float *value = cache_value_new(cache);
+    if (!value) return false;
+    memcpy(value, record.value, (size_t)(from->order * from->order * CACHE_LANES) * sizeof *value);
+    record.value = value;
+    return cache_insert_radiance(cache, head, &record);
+}
+
+static copy_fn *const copy_of[CACHE_KINDS] = {
+    [CACHE_IRRADIANCE] = copy_irradiance,
+    [CACHE_RADIANCE] = copy_radiance,
+};
+
+bool cache_insert_copy(struct cache *cache, const struct cache *from, enum cache_kind kind,
+                       size_t i) {
+    const struct cache_store *store = &from->store[kind];
+    return copy_of[kind](cache, &store->tree.head[i], store, i);
 }

@@ -10,21 +10,20 @@ static const float BUMP_LEAST = 0.8f;
 
 struct cache_reader cache_reader_make(const struct cache *cache, const struct cache_tables *tables,
                                       const satin_options *o) {
-    return (struct cache_reader){.cache = cache,
-                                 .tables = tables,
-                                 .options = o,
-                                 .a_irradiance = o->irradiance_a * o->irradiance_widen,
-                                 .a_radiance = o->radiance_a * o->radiance_widen};
+    struct cache_reader reader = {.cache = cache, .tables = tables};
+    cache_options_of(o, reader.options);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+        reader.a[k] = reader.options[k].a * reader.options[k].widen;
+    return reader;
 }
 
 void cache_plan_make(const struct cache_reader *reader, const struct shading_point *p,
                      struct cache_plan *plan) {
-    const satin_options *o = reader->options;
     plan->table = cache_table(reader->tables, p->side, &plan->channels);
     plan->cached = 0;
     plan->sampled = p->lobes & BRDF_THROUGH;
     plan->diffuse = p->lobes & BRDF_DIFFUSE;
-    if (plan->diffuse && o->radiance_cache && o->radiance_diffuse) plan->cached = plan->diffuse;
+    if (reader->options[CACHE_RADIANCE].diffuse) plan->cached = plan->diffuse;
     if (!(p->lobes & BRDF_GLOSSY)) {
         plan->diffuse &= ~plan->cached;
         return;
@@ -49,8 +48,8 @@ struct cache_used cache_plan_radiance(const struct cache_reader *reader,
                               .mirror = cache_mirror(&p->frame, p->wo_l)};
     const bool shiny = plan->cached & BRDF_GLOSSY;
     if (shiny) lobe.order = brdf_range_lookup(plan->table, &p->brdf, p->wo_l, C);
-    return cache_radiance(reader->cache, at, reader->a_radiance, shiny ? &lobe : NULL, glossy,
-                          p->lobes & BRDF_DIFFUSE ? E : NULL);
+    return cache_radiance(reader->cache, at, reader->a[CACHE_RADIANCE], shiny ? &lobe : NULL,
+                          glossy, p->lobes & BRDF_DIFFUSE ? E : NULL);
 }
 
 rgb cache_diffuse_albedo(const struct shading_point *p) {
@@ -62,7 +61,7 @@ unsigned cache_plan_kinds(const struct cache_reader *reader, const struct shadin
     struct cache_plan plan;
     cache_plan_make(reader, p, &plan);
     unsigned kinds = plan.cached ? 1u << CACHE_RADIANCE : 0u;
-    if (plan.diffuse && reader->options->irradiance_cache) kinds |= 1u << CACHE_IRRADIANCE;
+    if (plan.diffuse && reader->options[CACHE_IRRADIANCE].cache) kinds |= 1u << CACHE_IRRADIANCE;
     return kinds;
 }
 
@@ -78,7 +77,7 @@ unsigned cache_add_reflected(const struct cache_reader *reader, const struct sha
         if (plan.cached & BRDF_GLOSSY)
             *L = rgb_fma(*L, rgb_scale(y->brdf.specular, plan.bump), glossy);
     } else if (plan.diffuse &&
-               cache_irradiance(reader->cache, &at, reader->a_irradiance, &E).count) {
+               cache_irradiance(reader->cache, &at, reader->a[CACHE_IRRADIANCE], &E).count) {
         known |= plan.diffuse;
     }
     if (known & BRDF_DIFFUSE) *L = rgb_fma(*L, cache_diffuse_albedo(y), E);

@@ -87,7 +87,8 @@ rgb cache_rotate_irradiance(const struct cache_irradiance_value *value, vec3 n, 
 static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
                                    const struct cache_lookup *at, float a) {
     const struct cache_head *h = &cache->store[CACHE_IRRADIANCE].tree.head[record];
-    const struct cache_irradiance_value *value = &cache->irradiance[record].value;
+    const struct cache_irradiance_value *value =
+        &cache->store[CACHE_IRRADIANCE].irradiance[record].value;
     struct taylor t = rotate_value(value, h->n, at->n, at->frame.n);
     t.offset = offset_from(h, at->p, a);
     const bool gradients = cache->store[CACHE_IRRADIANCE].options.gradients != SATIN_GRADIENTS_NONE;
@@ -101,10 +102,10 @@ static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
 // Returns radius_ratio of a record, see fill_extent.
 typedef float ratio_fn(const struct cache *cache, uint32_t record);
 static float irradiance_ratio(const struct cache *cache, uint32_t record) {
-    return cache->irradiance[record].radius_ratio;
+    return cache->store[CACHE_IRRADIANCE].irradiance[record].radius_ratio;
 }
 static float radiance_ratio(const struct cache *cache, uint32_t record) {
-    return cache->radiance[record].radius_ratio;
+    return cache->store[CACHE_RADIANCE].radiance[record].radius_ratio;
 }
 
 // Whether most of the weight is of records that are much larger than they should be, as near
@@ -162,7 +163,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
         add_record(&sum, &t, near[i].weight);
         add_disagreement(&sums, &t, near[i].weight);
         add_used(&used, &tree->head[record], near[i].weight, whole,
-                 cache->irradiance[record].value.rays);
+                 cache->store[CACHE_IRRADIANCE].irradiance[record].value.rays);
     }
     if (is_oversized(cache, irradiance_ratio, near, count) &&
         (count == 1 || disagreement_exceeds(&sums, at->gather_deviation)))
@@ -200,7 +201,7 @@ static void product(const struct cache_radiance_record *record, const struct cac
 static struct taylor radiance_of(const struct cache *cache, uint32_t index,
                                  const struct cache_lookup *at, float a, struct cache_lobe lobe,
                                  float *noise) {
-    const struct cache_radiance_record *record = &cache->radiance[index];
+    const struct cache_radiance_record *record = &cache->store[CACHE_RADIANCE].radiance[index];
     const struct frame *frame = &record->frame;
     float rotated[3 * RSH_MAX_COEFFICIENTS], sum[CACHE_LANES];
     if (!same_frame(&at->frame, frame)) cache_rotate(cache, &at->frame, frame, &lobe, rotated);
@@ -242,7 +243,8 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
             add_record(&diffuse, &t, w);
             add_disagreement(&diffuse_sums, &t, w);
         }
-        add_used(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
+        add_used(&used, &tree->head[record], w, whole,
+                 cache->store[CACHE_RADIANCE].radiance[record].rays);
     }
     if (is_oversized(cache, radiance_ratio, near, count) &&
         (count == 1 || disagreement_exceeds(&glossy_sums, at->gather_deviation) ||
@@ -263,7 +265,7 @@ float cache_irradiance_reflected(const struct cache *cache, uint32_t record,
                                  const struct cache_surface *surface, float *noise) {
     const struct taylor t = irradiance_of(cache, record, at, a);
     const float Y = rgb_luminance(rgb_mul(surface->diffuse, value_alone(&t)));
-    *noise = cache->irradiance[record].deviation * Y;
+    *noise = cache->store[CACHE_IRRADIANCE].irradiance[record].deviation * Y;
     return Y;
 }
 

@@ -48,6 +48,8 @@ struct cache_radiance_record {
 // The options of one kind of records. satin_options describes them as irradiance_a, radiance_a and
 // so on.
 struct cache_options {
+    bool cache;    // whether surfaces read records of this kind
+    bool diffuse;  // radiance: whether these serve diffuse lobes too; false for irradiance
     float a, widen;
     int rays;
     float noise;
@@ -58,25 +60,26 @@ struct cache_options {
     float min_pixels, max_pixels;
     float max_radius;  // in scene units; 0: no limit
 };
-struct cache_options cache_options_of(const satin_options *options, enum cache_kind kind);
+void cache_options_of(const satin_options *options, struct cache_options out[CACHE_KINDS]);
 
-// The records of one kind: what both kinds have in common.
+// The records of one kind.
 struct cache_store {
     struct cache_options options;
-    int order;  // order of the harmonics of its records; 0: irradiance records, or there are none
+    bool filled;  // whether records of this kind are made
+    int order;    // order of the harmonics of its records; 0: irradiance records, or there are none
     struct cache_tree tree;
+    union {  // the array of the records, in the order of the tree's heads
+        void *record;
+        struct cache_irradiance_record *irradiance;
+        struct cache_radiance_record *radiance;
+    };
+    size_t record_bytes, capacity;  // size of a record, and number of those that fit
 };
 
 struct cache {
     const struct satin_scene *scene;
     const satin_options *options;
     struct cache_store store[CACHE_KINDS];
-
-    struct cache_irradiance_record *irradiance;
-    size_t irradiance_capacity;
-
-    struct cache_radiance_record *radiance;
-    size_t radiance_capacity;
     struct arena radiance_arena;  // coefficient blocks
     float *cosine;                // the projection of cos(theta), so that E = Lambda . cosine
     int cosine_order;             // order of `cosine`; the cosine has two bands of HSH
@@ -94,6 +97,10 @@ bool cache_insert_irradiance(struct cache *cache, const struct cache_head *head,
                              const struct cache_irradiance_record *record);
 bool cache_insert_radiance(struct cache *cache, const struct cache_head *head,
                            const struct cache_radiance_record *record);
+// Adds a copy of record i of a kind of another cache, whose radiance records are of the same order.
+// False if there is no memory.
+bool cache_insert_copy(struct cache *cache, const struct cache *from, enum cache_kind kind,
+                       size_t i);
 
 // ---- Leaks (cache_leak_test.c) ------------------------------------------------------------------
 

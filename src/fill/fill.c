@@ -10,7 +10,7 @@ static size_t most_rays(const struct fill *fill) {
     size_t most = 0;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         for (int i = 0; i < FILL_LAYOUTS; i++) {
-            const struct gather_layout *layout = fill->layout[k][i];
+            const struct gather_layout *layout = fill->side[k].layout[i];
             if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
         }
     return most;
@@ -23,14 +23,15 @@ struct fill *fill_new(struct cache *cache, const struct gather *g, struct parall
     f->g = g;
     f->pool = pool;
     f->rays_fraction = 1.0f;
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) f->radius_fraction[k] = 1.0f;
-    f->irradiance_whole =
-        gather_layout_new(g->options->irradiance_rays, g->options->radiance_basis, 0);
-    if (!f->irradiance_whole) goto fail;
-    if (fill_rays_prepare(f, CACHE_IRRADIANCE, 1.0f) != SATIN_OK) goto fail;
-    if (cache->store[CACHE_RADIANCE].order &&
-        fill_rays_prepare(f, CACHE_RADIANCE, 1.0f) != SATIN_OK)
-        goto fail;
+    const struct cache_store *irradiance = &cache->store[CACHE_IRRADIANCE];
+    f->side[CACHE_IRRADIANCE].whole =
+        gather_layout_new(irradiance->options.rays, irradiance->options.basis, irradiance->order);
+    if (!f->side[CACHE_IRRADIANCE].whole) goto fail;
+    f->side[CACHE_RADIANCE].draws_glossy = true;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+        f->side[k].radius_fraction = 1.0f;
+        if (cache->store[k].filled && fill_rays_prepare(f, k, 1.0f) != SATIN_OK) goto fail;
+    }
     f->worker_count = parallel_threads(pool);
     f->worker = gather_workers_new(pool, most_rays(f));
     if (!f->worker) goto fail;
@@ -42,16 +43,18 @@ fail:
 
 void fill_free(struct fill *fill) {
     if (!fill) return;
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-        for (int i = 0; i < FILL_LAYOUTS; i++) gather_layout_free(fill->layout[k][i]);
-    for (int i = 0; i < FILL_LAYOUTS; i++) gather_layout_free(fill->glossy[i]);
-    gather_layout_free(fill->irradiance_whole);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+        struct fill_side *side = &fill->side[k];
+        for (int i = 0; i < FILL_LAYOUTS; i++) gather_layout_free(side->layout[i]);
+        for (int i = 0; i < FILL_LAYOUTS; i++) gather_layout_free(side->glossy[i]);
+        gather_layout_free(side->whole);
+    }
     gather_workers_free(fill->worker, fill->worker_count);
     free(fill);
 }
 
 void fill_limit_radius(struct fill *fill, enum cache_kind kind, float fraction) {
-    fill->radius_fraction[kind] = fraction;
+    fill->side[kind].radius_fraction = fraction;
 }
 
 void fill_statistics(const struct fill *fill, struct stats *stats) {

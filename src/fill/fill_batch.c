@@ -41,6 +41,9 @@ struct batch;
 
 // Functions for one kind of records.
 struct record_functions {
+    // Adds rays to a record that depends too much on a few of them, if it is of such a kind.
+    void (*add_rays)(const struct batch *batch, struct batch_member *member,
+                     const struct gather_site *site, const struct gather_worker *worker);
     // Computes the record and its surroundings from a gathered hemisphere.
     void (*find)(const struct batch *batch, struct batch_member *member,
                  const struct gather_hemisphere *hemisphere);
@@ -179,7 +182,8 @@ static struct cache_residual find_residual(const struct batch *b, const struct b
 static void find_irradiance(const struct batch *b, struct batch_member *member,
                             const struct gather_hemisphere *hemisphere) {
     find_surroundings(b, member, hemisphere);
-    gather_hemisphere_irradiance(b->fill->g, hemisphere, &member->found.irradiance);
+    gather_hemisphere_irradiance(hemisphere, b->store->options.gradients,
+                                 &member->found.irradiance);
 }
 
 static bool make_irradiance(const struct batch *b, struct batch_member *member) {
@@ -201,7 +205,7 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
 static void find_radiance(const struct batch *b, struct batch_member *member,
                           const struct gather_hemisphere *hemisphere) {
     find_surroundings(b, member, hemisphere);
-    gather_hemisphere_radiance(b->fill->g, hemisphere, &member->radiance);
+    gather_hemisphere_radiance(hemisphere, b->store->options.gradients, &member->radiance);
     member->found.radiance_rays = member->radiance.rays;
     member->found.residual = find_residual(b, member, hemisphere);
 }
@@ -219,7 +223,7 @@ static bool make_radiance(const struct batch *b, struct batch_member *member) {
 // Allocates the values of a batch's records. False if there is no memory. Values of records that
 // stay invalid are not used.
 static bool allocate_values(struct batch *b) {
-    if (b->kind != CACHE_RADIANCE) return true;
+    if (!b->store->order) return true;
     for (struct batch_member *member = b->member; member < b->member + b->count; member++) {
         member->value = cache_value_new(b->cache);
         if (!member->value) return false;
@@ -227,21 +231,24 @@ static bool allocate_values(struct batch *b) {
     return true;
 }
 
-// Whether a few of its rays make up most of a record.
-static bool is_unsure(const struct batch *b, const struct batch_member *member) {
-    return b->kind == CACHE_IRRADIANCE && member->found.around.deviation > UNSURE;
-}
-
-// Gathers an irradiance record again, by all the rays of the options, and averages both values.
-static void add_all_rays(const struct batch *b, struct batch_member *member,
-                         const struct gather_site *site, const struct gather_worker *w) {
+// If a few of its rays make up most of an irradiance record, gathers it again, by all the rays of
+// the options, and averages both values.
+static void add_irradiance_rays(const struct batch *b, struct batch_member *member,
+                                const struct gather_site *site, const struct gather_worker *w) {
+    if (!(member->found.around.deviation > UNSURE)) return;
     const struct cache_irradiance_value first = member->found.irradiance;
     struct gather_site again = *site;
     again.stream = rng_mix(site->stream ^ 0x9e3779b97f4a7c15ull);
-    gather_hemisphere_trace(b->fill->g, b->fill->irradiance_whole, &again, w->scratch,
+    gather_hemisphere_trace(b->fill->g, b->fill->side[b->kind].whole, &again, w->scratch,
                             w->hemisphere);
     find_irradiance(b, member, w->hemisphere);
     member->found.irradiance = average_values(&first, &member->found.irradiance);
+}
+
+// Radiance records have enough rays.
+static void keep_rays(const struct batch *b, struct batch_member *member,
+                      const struct gather_site *site, const struct gather_worker *w) {
+    (void)b, (void)member, (void)site, (void)w;
 }
 
 // Gathers the members [begin, end) of a batch. A record that is not finite or out of range is
@@ -255,11 +262,11 @@ static void make_records(void *ctx, size_t begin, size_t end, int worker) {
         const struct gather_layout *layout =
             fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->factor_max);
         struct gather_site site = {s->p, s->ng, s->frame, s->stream, true, NULL, s->glossy.wo};
-        if (fill_rays_glossy(b->kind, s)) site.glossy = &s->glossy.brdf;
+        if (fill_rays_glossy(f, b->kind, s)) site.glossy = &s->glossy.brdf;
         for (int attempt = 0; attempt < ATTEMPTS && !member->found.valid; attempt++) {
             gather_hemisphere_trace(f->g, layout, &site, w->scratch, w->hemisphere);
             b->records->find(b, member, w->hemisphere);
-            if (is_unsure(b, member)) add_all_rays(b, member, &site, w);
+            b->records->add_rays(b, member, &site, w);
             member->found.valid = b->records->make(b, member);
             if (!member->found.valid) member->found.refused++;
             site.stream = rng_mix(site.stream + 0x9e3779b97f4a7c15ull);
@@ -355,12 +362,12 @@ static bool insert_radiance(struct batch *b, struct batch_member *member) {
 // ---- All batches --------------------------------------------------------------------------------
 
 static const struct record_functions functions[CACHE_KINDS] = {
-    [CACHE_IRRADIANCE] = {find_irradiance, make_irradiance, insert_irradiance},
-    [CACHE_RADIANCE] = {find_radiance, make_radiance, insert_radiance},
+    [CACHE_IRRADIANCE] = {add_irradiance_rays, find_irradiance, make_irradiance, insert_irradiance},
+    [CACHE_RADIANCE] = {keep_rays, find_radiance, make_radiance, insert_radiance},
 };
 
 satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites) {
-    if (kind == CACHE_RADIANCE && fill->cache->store[kind].order == 0) return SATIN_OK;
+    if (!fill->cache->store[kind].filled) return SATIN_OK;
     satin_status status = SATIN_ERROR_MEMORY;
     struct batch *b = calloc(1, sizeof *b);
     if (!b) return status;

@@ -34,7 +34,7 @@ double fill_uncovered(const struct fill *fill, enum cache_kind kind,
                       const struct fill_sites *sites) {
     const size_t tested = sites->count < COUNTED_MOST ? sites->count : COUNTED_MOST;
     struct uncovered_count c = {fill, kind, sites, 0};
-    if (kind == CACHE_RADIANCE && fill->cache->store[kind].order == 0) return 0.0;
+    if (!fill->cache->store[kind].filled) return 0.0;
     parallel_for_all(fill->pool, tested, 64, count_uncovered, &c);
     const double found = (double)atomic_load(&c.found);
     return tested ? found * (double)sites->count / (double)tested : 0.0;

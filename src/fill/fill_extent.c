@@ -46,7 +46,7 @@ static struct fill_extent by_hessian(const struct gather_surroundings *around,
 // If the least radius of the options exceeds the largest one, the largest is used.
 float fill_least_radius(const struct fill *fill, enum cache_kind kind, float pixel) {
     const struct cache_options *o = &fill->cache->store[kind].options;
-    const float least = fill->radius_fraction[kind] * o->min_pixels;
+    const float least = fill->side[kind].radius_fraction * o->min_pixels;
     const float R = fminf(least, o->max_pixels) * pixel / o->a;
     return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
 }

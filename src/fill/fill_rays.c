@@ -33,17 +33,18 @@ static satin_status replace_layouts(struct gather_layout **layout, const struct 
 
 satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fraction) {
     const struct cache_store *store = &fill->cache->store[kind];
+    struct fill_side *side = &fill->side[kind];
     const double rays = (double)fraction * store->options.rays;
-    const satin_status status = replace_layouts(fill->layout[kind], store, rays);
-    if (status != SATIN_OK || kind != CACHE_RADIANCE) return status;
-    return replace_layouts(fill->glossy, store, STRATIFIED * rays);
+    const satin_status status = replace_layouts(side->layout, store, rays);
+    if (status != SATIN_OK || !side->draws_glossy) return status;
+    return replace_layouts(side->glossy, store, STRATIFIED * rays);
 }
 
 satin_status fill_limit_rays(struct fill *fill, float fraction) {
     if (fraction == fill->rays_fraction) return SATIN_OK;
-    satin_status status = fill_rays_prepare(fill, CACHE_IRRADIANCE, fraction);
-    if (status == SATIN_OK && fill->cache->store[CACHE_RADIANCE].order)
-        status = fill_rays_prepare(fill, CACHE_RADIANCE, fraction);
+    satin_status status = SATIN_OK;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++)
+        if (fill->cache->store[k].filled) status = fill_rays_prepare(fill, k, fraction);
     if (status == SATIN_OK) fill->rays_fraction = fraction;
     return status;
 }
@@ -53,12 +54,12 @@ satin_status fill_limit_rays(struct fill *fill, float fraction) {
 typedef float variance_fn(const struct cache *cache, uint32_t record);
 
 static float irradiance_variance(const struct cache *cache, uint32_t record) {
-    const struct cache_irradiance_record *r = &cache->irradiance[record];
+    const struct cache_irradiance_record *r = &cache->store[CACHE_IRRADIANCE].irradiance[record];
     return r->deviation * r->deviation * (float)r->value.rays;
 }
 
 static float radiance_variance(const struct cache *cache, uint32_t record) {
-    const struct cache_radiance_record *r = &cache->radiance[record];
+    const struct cache_radiance_record *r = &cache->store[CACHE_RADIANCE].radiance[record];
     float noise2 = 0.0f, size2 = 0.0f;
     const int order = cache->store[CACHE_RADIANCE].order;
     for (int k = 0; k < order * order; k++) {
@@ -74,15 +75,16 @@ static variance_fn *const variance_of[CACHE_KINDS] = {
     [CACHE_RADIANCE] = radiance_variance,
 };
 
-bool fill_rays_glossy(enum cache_kind kind, const struct fill_site *site) {
-    return kind == CACHE_RADIANCE && site->glossy.table;
+bool fill_rays_glossy(const struct fill *fill, enum cache_kind kind, const struct fill_site *site) {
+    return fill->side[kind].draws_glossy && site->glossy.table;
 }
 
 const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache_kind kind,
                                              const struct fill_site *site, float a) {
     const struct cache_store *store = &fill->cache->store[kind];
-    const bool glossy = fill_rays_glossy(kind, site);
-    struct gather_layout *const *layout = glossy ? fill->glossy : fill->layout[kind];
+    const struct fill_side *side = &fill->side[kind];
+    const bool glossy = fill_rays_glossy(fill, kind, site);
+    struct gather_layout *const *layout = glossy ? side->glossy : side->layout;
     const float noise = store->options.noise;
     if (!(noise > 0.0f)) return layout[PLAIN];
     struct cache_near near[CACHE_NEAR_MAX];
@@ -91,7 +93,7 @@ const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache
     for (int i = 0; i < count; i++) variance += variance_of[kind](fill->cache, near[i].record);
     if (!(variance > 0.0f)) return layout[PLAIN];
     const float wanted = variance / ((float)count * noise * noise);
-    const float plain = (float)gather_layout_rays(fill->layout[kind][PLAIN]);
+    const float plain = (float)gather_layout_rays(side->layout[PLAIN]);
     const float times = wanted / plain;
     const int step = (int)lroundf(log2f(clampf(times, 0x1p-10f, 0x1p10f)));
     return layout[step < -PLAIN ? 0 : step > PLAIN ? FILL_LAYOUTS - 1 : PLAIN + step];

@@ -9,17 +9,23 @@
 // largest number of rays.
 enum { FILL_LAYOUTS = 5, FILL_RAYS_MAX = 1 << 20 };
 
+// How the records of one kind are made.
+struct fill_side {
+    // Hemispheres of different numbers of rays, and for records of which half of the rays are drawn
+    // by the glossy lobes of their site those of the stratified half; NULL if not used.
+    struct gather_layout *layout[FILL_LAYOUTS], *glossy[FILL_LAYOUTS];
+    bool draws_glossy;            // whether there are such records
+    struct gather_layout *whole;  // irradiance: with all the rays of the options
+    float radius_fraction;        // of the options' least radius, for new records
+};
+
 struct fill {
     struct cache *cache;
     const struct gather *g;
     struct parallel *pool;
-    // Hemispheres of different numbers of rays, of each kind of records, and of radiance records
-    // that have as many rays by glossy lobes as stratified ones; NULL if not used.
-    struct gather_layout *layout[CACHE_KINDS][FILL_LAYOUTS], *glossy[FILL_LAYOUTS];
-    struct gather_layout *irradiance_whole;  // with all the rays of the options
-    float rays_fraction;                     // fraction of the options' rays that new records get
-    float radius_fraction[CACHE_KINDS];      // of the options' least radius, for new records
-    struct gather_worker *worker;            // one for each worker of the pool
+    struct fill_side side[CACHE_KINDS];
+    float rays_fraction;           // fraction of the options' rays that new records get
+    struct gather_worker *worker;  // one for each worker of the pool
     int worker_count;
     uint64_t refused;  // number of records that were not finite or out of range
     struct {
@@ -68,7 +74,7 @@ uint32_t fill_leak_sectors(const struct gather_surroundings *around, float radiu
 // SATIN_ERROR_MEMORY: then it keeps its layouts.
 satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fraction);
 // Whether half of the rays of a new record are drawn by the glossy lobes of its site.
-bool fill_rays_glossy(enum cache_kind kind, const struct fill_site *site);
+bool fill_rays_glossy(const struct fill *fill, enum cache_kind kind, const struct fill_site *site);
 // The layout of a new record, from the variance of the records that cover its site at accuracy a.
 const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache_kind kind,
                                              const struct fill_site *site, float a);

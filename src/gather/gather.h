@@ -292,13 +292,13 @@ struct gather_surroundings {
     float hessian[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame, if requested
 };
 
-// Computes irradiance from a hemisphere of a cosine-weighted layout.
-void gather_hemisphere_irradiance(const struct gather *g,
-                                  const struct gather_hemisphere *hemisphere,
-                                  struct cache_irradiance_value *out);
-// Computes incident radiance from a hemisphere of a uniform layout.
-void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemisphere *hemisphere,
-                                struct gather_radiance *out);
+// Computes irradiance from a hemisphere of a cosine-weighted layout. Without gradients, those by
+// position are as with SATIN_GRADIENTS_STRATIFIED, as they show how fast E changes.
+void gather_hemisphere_irradiance(const struct gather_hemisphere *hemisphere,
+                                  satin_gradients gradients, struct cache_irradiance_value *out);
+// Computes incident radiance from a hemisphere of a uniform layout; gradients likewise.
+void gather_hemisphere_radiance(const struct gather_hemisphere *hemisphere,
+                                satin_gradients gradients, struct gather_radiance *out);
 // The radiance that `lobes` of a BRDF in the site's frame reflect to wo (local): the sum over the
 // rays of a hemisphere of a uniform layout.
 rgb gather_hemisphere_reflected(const struct gather_hemisphere *hemisphere, const struct brdf *brdf,

@@ -163,12 +163,12 @@ static void irradiance_gradients(const struct gather_hemisphere *h, satin_gradie
     }
 }
 
-void gather_hemisphere_irradiance(const struct gather *g, const struct gather_hemisphere *h,
+void gather_hemisphere_irradiance(const struct gather_hemisphere *h, satin_gradients gradients,
                                   struct cache_irradiance_value *out) {
     *out = (struct cache_irradiance_value){.rays = (uint32_t)h->count};
     for (size_t i = 0; i < h->count; i++) out->E = rgb_add(out->E, h->L[i]);
     out->E = rgb_scale(out->E, PI_F / (float)h->stratified);
-    irradiance_gradients(h, g->options->irradiance_gradients, out->grad_t);
+    irradiance_gradients(h, gradients, out->grad_t);
     rotation_gradient(h, out->grad_r);
     for (int c = 0; c < 3; c++) {
         out->grad_t[c] = frame_to_world(&h->frame, out->grad_t[c]);
@@ -233,13 +233,13 @@ static void project_noise(const struct gather_hemisphere *h, float *noise) {
     memcpy(noise, sum, (size_t)(l->order * l->order) * sizeof *noise);
 }
 
-void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemisphere *h,
+void gather_hemisphere_radiance(const struct gather_hemisphere *h, satin_gradients gradients,
                                 struct gather_radiance *out) {
     const size_t n2 = (size_t)(h->layout->order * h->layout->order);
     memset(out->lambda, 0, sizeof *out->lambda * 3 * n2);
     project_weighted(h, out->lambda);
     out->rays = (uint32_t)h->all;
-    if (out->dx) radiance_gradients(h, g->options->radiance_gradients, out->dx, out->dy);
+    if (out->dx) radiance_gradients(h, gradients, out->dx, out->dy);
     if (out->noise) project_noise(h, out->noise);
 }
 

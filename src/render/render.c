@@ -94,7 +94,7 @@ static satin_status prepare_second_pass(struct render *r) {
     render_memory_limit_cache(r, pass->cache, r->second_pass.bounce_count + 1);
     pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
     if (!pass->fill) return SATIN_ERROR_MEMORY;
-    return render_shading(r, pass->cache);
+    return render_shading(r, render_has_stage(r, STAGE_RECORDS) ? pass->cache : NULL);
 }
 
 // What stands between the photons and the records of the image.

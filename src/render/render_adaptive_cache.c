@@ -10,13 +10,13 @@ static satin_status adapt_view(struct render *r, uint32_t view, const uint32_t *
     struct render_sites sites = {0};
     satin_status status = render_find_sites(r, view, pixel, pixels, true, &sites);
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++) {
-        const struct cache_options o = cache_options_of(&r->options, k);
+        const struct cache_options *o = &r->second_pass.cache->store[k].options;
         const struct fill_sites wanted = {.site = sites.site,
                                           .count = sites.count,
-                                          .a = o.a,
+                                          .a = o->a,
                                           .factor_max = render_budget_largest_factor(&r->options),
                                           .spacing = 1.5f};
-        status = fill_adapt(r->second_pass.fill, k, &wanted, o.a * o.widen);
+        status = fill_adapt(r->second_pass.fill, k, &wanted, o->a * o->widen);
     }
     render_sites_free(&sites);
     return status;

@@ -130,11 +130,10 @@ static bool take_first_samples(struct image_pass *pass) {
 
 satin_status render_shading(struct render *r, const struct cache *cache) {
     struct render_second_pass *pass = &r->second_pass;
-    const bool interpolates = render_steps(r)->interpolates;
     const struct cache_reader records =
-        cache_reader_make(interpolates ? cache : NULL, &pass->tables, pass->gather.options);
-    return shade_init(&pass->shade, &pass->gather, records, interpolates,
-                      render_budget_missing(&r->options), r->pool);
+        cache_reader_make(cache, &pass->tables, pass->gather.options);
+    return shade_init(&pass->shade, &pass->gather, records, render_budget_missing(&r->options),
+                      r->pool);
 }
 
 // Takes the photons of the first samples, and these samples, and plans the next pass from them.

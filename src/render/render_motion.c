@@ -133,20 +133,6 @@ static bool is_kept(const struct record_probe *before, const struct record_probe
     return same_distance(before->foot, now->foot) && changed_fraction(before, now) < CHANGE_MOST;
 }
 
-// Copies a record to the cache of a frame.
-static bool copy_record(const struct cache *from, enum cache_kind kind, size_t i,
-                        struct cache *to) {
-    const struct cache_head *head = &from->store[kind].tree.head[i];
-    if (kind == CACHE_IRRADIANCE) return cache_insert_irradiance(to, head, &from->irradiance[i]);
-    struct cache_radiance_record record = from->radiance[i];
-    const int order = to->store[CACHE_RADIANCE].order;
-    float *value = cache_value_new(to);
-    if (!value) return false;
-    memcpy(value, record.value, (size_t)(order * order * CACHE_LANES) * sizeof *value);
-    record.value = value;
-    return cache_insert_radiance(to, head, &record);
-}
-
 // Whether a point is inside of the octree of a cache.
 static bool is_inside(const struct cache_tree *tree, vec3 p) {
     const vec3 d = v3_sub(p, tree->lo);
@@ -168,7 +154,7 @@ satin_status render_keep_records(struct render *r) {
         status = probe_all(r, from, k, &now);
         for (size_t i = 0; status == SATIN_OK && i < cache_count(from, k); i++) {
             const bool fits = is_inside(&to->store[k].tree, from->store[k].tree.head[i].p);
-            if (fits && is_kept(&before[i], &now[i]) && !copy_record(from, k, i, to))
+            if (fits && is_kept(&before[i], &now[i]) && !cache_insert_copy(to, from, k, i))
                 status = SATIN_ERROR_MEMORY;
         }
         free(now);

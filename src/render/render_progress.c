@@ -32,14 +32,14 @@ enum {
 };
 
 static const struct course_steps steps_of[] = {
-    [COURSE_TWO_PASS] = {SATIN_TWO_PASS, PHOTONS | TABLES | RECORDS, .interpolates = true},
+    [COURSE_TWO_PASS] = {SATIN_TWO_PASS, PHOTONS | TABLES | RECORDS},
     [COURSE_SHORT_PATHS] = {SATIN_TWO_PASS, TABLES},
     [COURSE_PHOTONS] = {SATIN_PHOTONS, PHOTONS},
     [COURSE_DIRECT] = {SATIN_DIRECT},
     [COURSE_PATHS] = {SATIN_PATH},
     [COURSE_SPPM] = {SATIN_SPPM, PHOTONS, .passes = true},
     [COURSE_WITHOUT_RECORDS] = {SATIN_TWO_PASS, PHOTONS | TABLES},
-    [COURSE_COARSE] = {SATIN_TWO_PASS, .interpolates = true, .coarse = true},
+    [COURSE_COARSE] = {SATIN_TWO_PASS, .coarse = true},
     [COURSE_COARSE_DIRECT] = {SATIN_DIRECT, .coarse = true},
 };
 
@@ -61,7 +61,6 @@ enum render_course render_first_course(const satin_options *options) {
 void render_take_course(struct render *r, enum render_course course) {
     r->progress.course = course;
     r->options.integrator = steps_of[course].integrator;
-    r->second_pass.shade.interpolates = steps_of[course].interpolates;
 }
 
 const struct course_steps *render_steps(const struct render *r) {

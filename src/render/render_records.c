@@ -45,11 +45,12 @@ static double all_pixels(const struct record_rounds *rounds, const struct record
 static struct fill_sites sites_to_cover(const struct record_rounds *rounds,
                                         const struct record_level *level, enum cache_kind kind) {
     const satin_options *o = &rounds->r->options;
-    return (struct fill_sites){.site = rounds->sites.site,
-                               .count = rounds->sites.count,
-                               .a = cache_options_of(o, kind).a * level->factor.of[kind],
-                               .factor_max = render_budget_largest_factor(o),
-                               .spacing = 1.5f * (float)level->stride};
+    return (struct fill_sites){
+        .site = rounds->sites.site,
+        .count = rounds->sites.count,
+        .a = rounds->r->second_pass.cache->store[kind].options.a * level->factor.of[kind],
+        .factor_max = render_budget_largest_factor(o),
+        .spacing = 1.5f * (float)level->stride};
 }
 
 // Chooses the rays of the records of this level, of whose pixels `count` have the current sites.
@@ -149,15 +150,25 @@ static satin_status cover_levels(struct record_rounds *rounds, struct render_fac
             !render_covering_without_records(&r->options, &rounds->covering, level.stride))
             continue;
         render_take_course(r, COURSE_WITHOUT_RECORDS);
+        r->second_pass.shade.records.cache = NULL;
         break;
     }
     return status;
 }
 
 // Sets the factors of a at which the image reads the records.
-static void read_at(struct render *r, float irradiance, float radiance) {
-    r->second_pass.shade.records.a_irradiance = r->options.irradiance_a * irradiance;
-    r->second_pass.shade.records.a_radiance = r->options.radiance_a * radiance;
+static void read_at(struct render *r, struct render_factors factor) {
+    struct cache_reader *reader = &r->second_pass.shade.records;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+        reader->a[k] = reader->options[k].a * factor.of[k];
+}
+
+// The factors for the image after the last round: widened, if they are not larger than that anyway.
+static struct render_factors widen(const struct render *r, struct render_factors finished) {
+    const struct cache_options *options = r->second_pass.shade.records.options;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+        finished.of[k] = fmaxf(finished.of[k], fminf(finished.of[k], 1.0f) * options[k].widen);
+    return finished;
 }
 
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy of a
@@ -168,7 +179,7 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
     struct render_factors finished = render_budget_round(&r->options, 0);
     const int count = render_budget_rounds(&r->options);
     render_limit_records(r, NULL);
-    read_at(r, finished.of[CACHE_IRRADIANCE], finished.of[CACHE_RADIANCE]);
+    read_at(r, finished);
     const double start = stats_wall();
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         const struct render_factors factor = render_budget_round(&r->options, i);
@@ -187,9 +198,7 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
         if (status == SATIN_OK) render_limit_records(r, &pace);
     }
     status = render_limit_end(r, status);
-    const float E = finished.of[CACHE_IRRADIANCE], L = finished.of[CACHE_RADIANCE];
-    read_at(r, fmaxf(E, fminf(E, 1.0f) * r->options.irradiance_widen),
-            fmaxf(L, fminf(L, 1.0f) * r->options.radiance_widen));
+    read_at(r, widen(r, finished));
     return status;
 }
 

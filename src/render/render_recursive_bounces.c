@@ -55,6 +55,8 @@ static void follow_walks(void *ctx, size_t begin, size_t end, int worker) {
 static satin_status make_walk_records(struct render *r, struct fill *fill, struct walks *walks) {
     if (!parallel_for(r->pool, RENDER_WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
     const satin_options *o = walks->shade->g->options;
+    struct cache_options options[CACHE_KINDS];
+    cache_options_of(o, options);
     struct fill_sites sites = {.factor_max = fmaxf(o->irradiance_widen, o->radiance_widen),
                                .spacing = SPACING};
     satin_status status = SATIN_OK;
@@ -68,7 +70,7 @@ static satin_status make_walk_records(struct render *r, struct fill *fill, struc
         sites.count = count;
         for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
              kind++) {
-            sites.a = cache_options_of(o, kind).a;
+            sites.a = options[kind].a;
             status = fill_records(fill, kind, &sites);
         }
     }

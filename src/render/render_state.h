@@ -45,7 +45,6 @@ struct course_steps {
     satin_integrator integrator;  // by which the image is sampled
     unsigned stages;              // a mask of 1u << render_stage: those before STAGE_IMAGE
     bool passes;                  // each pass of the image has new photons
-    bool interpolates;            // where there are records, samples interpolate between them
     bool coarse;  // the image has only its first samples, and is completed after the cancellation
 };
 

@@ -8,13 +8,9 @@
 #include "shade/shade_two_pass.h"
 
 satin_status shade_init(struct shade *shade, const struct gather *g, struct cache_reader records,
-                        bool interpolates, struct shade_missing missing, struct parallel *pool) {
+                        struct shade_missing missing, struct parallel *pool) {
     const satin_options *o = g->options;
-    struct shade s = {.g = g,
-                      .camera = &g->scene->camera,
-                      .records = records,
-                      .interpolates = interpolates,
-                      .missing = missing};
+    struct shade s = {.g = g, .camera = &g->scene->camera, .records = records, .missing = missing};
     scene_film_filter_make(&g->scene->film, &s.filter);
     // The footprint of a pixel is divided among its samples.
     if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));

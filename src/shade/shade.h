@@ -55,7 +55,6 @@ struct shade {
     const struct gather *g;
     const struct camera *camera;  // of the scene of g, through which pixels are seen
     struct cache_reader records;  // how the image pass reads them
-    bool interpolates;            // whether samples read the records; otherwise each gathers
     struct shade_missing missing;
     struct scene_film_filter filter;
     float sharpness;               // width of a sample's footprint, in pixels; 0: a point
@@ -64,11 +63,11 @@ struct shade {
     int worker_count;
 };
 
-// Pixels are seen through the camera of the scene, until `camera` is set to another one.
-// `interpolates` needs a cache in `records`. `missing.rays` is at least 1 and at most
-// SATIN_GLOSSY_SAMPLES_MAX.
+// Pixels are seen through the camera of the scene, until `camera` is set to another one. Samples
+// interpolate between the records of the cache; without a cache each of them gathers.
+// `missing.rays` is at least 1 and at most SATIN_GLOSSY_SAMPLES_MAX.
 satin_status shade_init(struct shade *shade, const struct gather *g, struct cache_reader records,
-                        bool interpolates, struct shade_missing missing, struct parallel *pool);
+                        struct shade_missing missing, struct parallel *pool);
 void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
 // Counts of a chunk of samples, which the caller adds up.

@@ -31,7 +31,7 @@ static void sample_diffuse(struct shade_lighting *lighting) {
     const struct gather_site site = site_of(lighting);
     struct cache_irradiance_value value;
     gather_hemisphere_trace(s->g, s->gather, &site, w->scratch, w->hemisphere);
-    gather_hemisphere_irradiance(s->g, w->hemisphere, &value);
+    gather_hemisphere_irradiance(w->hemisphere, SATIN_GRADIENTS_NONE, &value);
     lighting->worker->counts.rays += value.rays;
     lighting->worker->counts.gathered++;
     const rgb E = cache_rotate_irradiance(&value, p->base.n, p->frame.n);
@@ -50,11 +50,11 @@ static struct cache_lookup records_lookup(const struct shade_lighting *lighting)
 static bool diffuse_cached(struct shade_lighting *lighting, struct shade_pixel_value *value) {
     const struct shade *s = lighting->shade;
     const struct shading_point *p = &lighting->vertex->point;
-    if (!s->interpolates) return false;
+    if (!s->records.cache) return false;
     if (!value->has_irradiance) {
         const struct cache_lookup at = records_lookup(lighting);
         rgb E;
-        value->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
+        value->used = cache_irradiance(s->records.cache, &at, s->records.a[CACHE_IRRADIANCE], &E);
         if (!value->used.count) return false;
         value->E = E;
         value->has_irradiance = true;
@@ -70,7 +70,7 @@ static bool indirect_cached(struct shade_lighting *lighting, const struct cache_
     const struct shade *s = lighting->shade;
     const struct shading_point *p = &lighting->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
-    if (!s->interpolates) return false;
+    if (!s->records.cache) return false;
     if (!value->has_radiance) {
         const struct cache_lookup at = records_lookup(lighting);
         value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
@@ -228,7 +228,7 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
     const float before = added_luminance(lighting);
     const int finding = shade_direct(lighting, sampled, sampled ? o->glossy_samples : 0);
     if (!indirect) return;
-    if (o->record_maps && lighting->shade->interpolates &&
+    if (o->record_maps && lighting->shade->records.cache &&
         cache_has_record_near(lighting->shade->records.cache, p->interaction.p, p->base.n,
                               lighting->vertex->pixel))
         lighting->out->record = 1.0f;
@@ -239,7 +239,7 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
     const float u_caustic = sampler_1d(&apart);
     if (plan.cached && !indirect_cached(lighting, &plan, value))
         sample_missing(lighting, plan.cached);
-    if (plan.diffuse && !o->irradiance_cache)
+    if (plan.diffuse && !lighting->shade->records.options[CACHE_IRRADIANCE].cache)
         sample_diffuse(lighting);
     else if (plan.diffuse && !diffuse_cached(lighting, value))
         sample_missing(lighting, plan.diffuse);

@@ -28,7 +28,9 @@ static void repair(unsigned char *data, size_t size) {
 // A cache in the box of (-1, -1, -1) and (1, 1, 1) takes the records or refuses them in one line.
 static void fuzz_cache_load(const struct cache_file *file) {
     const satin_options options = satin_options_default;
-    struct cache cache = {.options = &options};
+    struct cache cache = {.options = &options,
+                          .store = {{.record_bytes = sizeof(struct cache_irradiance_record)},
+                                    {.record_bytes = sizeof(struct cache_radiance_record)}}};
     int lines = 0;
     cache.store[CACHE_RADIANCE].order = cache_file_summary(file).order;
     cache_tree_init(&cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
@@ -41,8 +43,8 @@ static void fuzz_cache_load(const struct cache_file *file) {
     FUZZ_REQUIRE(cache_tree_find(&cache.store[CACHE_RADIANCE].tree, p, n, 0.2f, near) >= 0);
     cache_tree_free(&cache.store[CACHE_IRRADIANCE].tree);
     cache_tree_free(&cache.store[CACHE_RADIANCE].tree);
-    free(cache.irradiance);
-    free(cache.radiance);
+    free(cache.store[CACHE_IRRADIANCE].record);
+    free(cache.store[CACHE_RADIANCE].record);
     arena_free(&cache.radiance_arena);
 }
 

@@ -30,7 +30,12 @@ struct cache_file_fixture {
 static void cache_file_start(struct cache_file_fixture *f) {
     f->options = satin_options_default;
     f->options.leak_test = false;
-    f->cache = (struct cache){.options = &f->options, .store[CACHE_RADIANCE].order = ORDER};
+    f->cache = (struct cache){
+        .options = &f->options,
+        .store = {{.filled = true, .record_bytes = sizeof(struct cache_irradiance_record)},
+                  {.filled = true,
+                   .order = ORDER,
+                   .record_bytes = sizeof(struct cache_radiance_record)}}};
     cache_tree_init(&f->cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     cache_tree_init(&f->cache.store[CACHE_RADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
 }
@@ -38,8 +43,8 @@ static void cache_file_start(struct cache_file_fixture *f) {
 static void cache_file_stop(struct cache_file_fixture *f) {
     cache_tree_free(&f->cache.store[CACHE_IRRADIANCE].tree);
     cache_tree_free(&f->cache.store[CACHE_RADIANCE].tree);
-    free(f->cache.irradiance);
-    free(f->cache.radiance);
+    free(f->cache.store[CACHE_IRRADIANCE].record);
+    free(f->cache.store[CACHE_RADIANCE].record);
     arena_free(&f->cache.radiance_arena);
 }
 
@@ -66,11 +71,13 @@ static void cache_file_make(struct cache_file_fixture *f) {
     struct cache *c = &f->cache;
     struct rng rng = rng_make(1, RNG_SITE, 0);
     c->rays = 1234;
-    c->irradiance = calloc(RECORDS, sizeof *c->irradiance);
-    c->radiance = calloc(RECORDS, sizeof *c->radiance);
-    c->irradiance_capacity = c->radiance_capacity = RECORDS;
+    struct cache_store *irradiance = &c->store[CACHE_IRRADIANCE],
+                       *radiance = &c->store[CACHE_RADIANCE];
+    irradiance->irradiance = calloc(RECORDS, sizeof *irradiance->irradiance);
+    radiance->radiance = calloc(RECORDS, sizeof *radiance->radiance);
+    irradiance->capacity = radiance->capacity = RECORDS;
     for (uint32_t i = 0; i < RECORDS; i++) {
-        struct cache_irradiance_record *e = &c->irradiance[i];
+        struct cache_irradiance_record *e = &irradiance->irradiance[i];
         e->value.E = rgb_make(rng_float(&rng), rng_float(&rng), rng_float(&rng));
         for (int k = 0; k < 3; k++) e->value.grad_t[k] = cache_file_draw(&rng);
         for (int k = 0; k < 3; k++) e->value.grad_r[k] = cache_file_draw(&rng);
@@ -82,7 +89,7 @@ static void cache_file_make(struct cache_file_fixture *f) {
         float *value = arena_array(&c->radiance_arena, CACHE_LANES * ORDER * ORDER, sizeof *value);
         for (int k = 0; k < CACHE_LANES * ORDER * ORDER; k++)
             if (k % 4 != 3 || k % CACHE_LANES == 3) value[k] = rng_float(&rng);
-        c->radiance[i] = (struct cache_radiance_record){
+        radiance->radiance[i] = (struct cache_radiance_record){
             .frame = frame_from_normal(v3(0, 0, 1)),
             .value = value,
             .radius_ratio = rng_float(&rng),
@@ -243,14 +250,14 @@ static void values_that_are_not_finite_are_refused(void **state) {
     (void)state;
     struct cache_file_fixture f;
     cache_file_make(&f);
-    struct cache_irradiance_record *E = &f.cache.irradiance[4];
+    struct cache_irradiance_record *E = &f.cache.store[CACHE_IRRADIANCE].irradiance[4];
     refuse_value(&f, &E->value.E.g, NAN);
     refuse_value(&f, &E->value.E.b, -0.5f);
     refuse_value(&f, &E->value.grad_t[2].y, INFINITY);
     refuse_value(&f, &E->value.grad_r[1].x, NAN);
     refuse_value(&f, &E->deviation, -1.0f);
     refuse_value(&f, &E->radius_ratio, 1.5f);
-    struct cache_radiance_record *Lambda = &f.cache.radiance[7];
+    struct cache_radiance_record *Lambda = &f.cache.store[CACHE_RADIANCE].radiance[7];
     refuse_value(&f, &Lambda->radius_ratio, NAN);
     refuse_value(&f, &Lambda->frame.u.x, NAN);
     for (int i = 0; i < ORDER * ORDER * CACHE_LANES; i++)

@@ -42,7 +42,7 @@ static void cache_leak_start(struct cache_leak_fixture *f) {
     struct cache_irradiance_value value;
     struct gather_surroundings around;
     gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
-    gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
+    gather_hemisphere_irradiance(worker->hemisphere, f->g.options->irradiance_gradients, &value);
     gather_surroundings_make(worker->hemisphere, false, &around);
     f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
     f->head.near_sectors = fill_leak_sectors(&around, 2.0f, &f->head.clear);

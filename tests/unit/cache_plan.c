@@ -92,6 +92,7 @@ static void lobes_decide_which_records_are_read(void **state) {
         assert_int_equal(plan.sampled, cases[i].sampled);
         assert_int_equal(cache_plan_kinds(&f.reader, &p), cases[i].kinds);
         f.options.irradiance_cache = false;
+        f.reader = cache_reader_make(f.cache, &f.tables, &f.options);
         assert_int_equal(cache_plan_kinds(&f.reader, &p), 0);
         cache_plan_stop(&f);
     }

@@ -25,8 +25,11 @@ static void cache_read_start(struct cache_read_fixture *f) {
     f->options = satin_options_default;
     f->options.irradiance_a = 0.4f;
     f->options.leak_test = false;
-    f->cache = (struct cache){.options = &f->options, .irradiance = f->record};
-    f->cache.store[CACHE_IRRADIANCE].options = cache_options_of(&f->options, CACHE_IRRADIANCE);
+    f->cache =
+        (struct cache){.options = &f->options, .store[CACHE_IRRADIANCE].irradiance = f->record};
+    struct cache_options of[CACHE_KINDS];
+    cache_options_of(&f->options, of);
+    f->cache.store[CACHE_IRRADIANCE].options = of[CACHE_IRRADIANCE];
     cache_tree_init(&f->cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     for (int i = 0; i < RECORDS; i++) {
         f->record[i] = (struct cache_irradiance_record){

@@ -111,11 +111,12 @@ static float largest_difference(const struct fill_case *f, float a, float *reads
         const int count = cache_find(f->cache, tree, s->p, s->frame.n, a, near);
         float sum = 0.0f, weights = 0.0f;
         for (int i = 0; i < count; i++) {
-            sum += near[i].weight * f->cache->irradiance[near[i].record].value.E.g;
+            sum += near[i].weight *
+                   f->cache->store[CACHE_IRRADIANCE].irradiance[near[i].record].value.E.g;
             weights += near[i].weight;
         }
         for (int i = 0; i < count; i++) {
-            const float E = f->cache->irradiance[near[i].record].value.E.g;
+            const float E = f->cache->store[CACHE_IRRADIANCE].irradiance[near[i].record].value.E.g;
             if (v3_dist2(tree->head[near[i].record].p, s->p) > sqrf(CACHE_ADAPTIVE_PIXEL))
                 most = fmaxf(most, fabsf(E * weights / sum - 1.0f));
         }

@@ -122,7 +122,7 @@ static void records_of_few_rays_are_gathered_again(void **state) {
     size_t again = 0;
     uint64_t rays = 0;
     for (size_t i = 0; i < count; i++) {
-        const struct cache_irradiance_record *r = &f.cache->irradiance[i];
+        const struct cache_irradiance_record *r = &f.cache->store[CACHE_IRRADIANCE].irradiance[i];
         const bool few = r->value.rays < 0.12 * RAYS;
         if (few)
             assert_true(r->deviation <= 0.4f);

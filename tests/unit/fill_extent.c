@@ -27,13 +27,15 @@ static void fill_extent_start(struct fill_extent_fixture *f) {
     f->options.irradiance_min_pixels = f->options.radiance_min_pixels = 3.0f;
     f->options.irradiance_max_pixels = f->options.radiance_max_pixels = 20.0f;
     f->cache = (struct cache){.scene = &f->scene, .store[CACHE_RADIANCE].order = 1};
-    f->fill = (struct fill){.cache = &f->cache, .radius_fraction = {1.0f, 1.0f}};
+    f->fill = (struct fill){.cache = &f->cache,
+                            .side = {{.radius_fraction = 1.0f}, {.radius_fraction = 1.0f}}};
 }
 
 // Copies the options to the cache.
 static void fill_extent_apply(struct fill_extent_fixture *f) {
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-        f->cache.store[k].options = cache_options_of(&f->options, k);
+    struct cache_options of[CACHE_KINDS];
+    cache_options_of(&f->options, of);
+    for (int k = 0; k < CACHE_KINDS; k++) f->cache.store[k].options = of[k];
 }
 
 // Returns a R in pixels of a record whose rays found walls at that distance. Both caches must
@@ -58,7 +60,7 @@ static void pixels_bound_what_rays_found(void **state) {
     assert_float_equal(fill_extent_pixels(&f, 0.2f), 10.0f, 1e-4f);
     assert_float_equal(fill_extent_pixels(&f, 0.001f), 3.0f, 1e-4f);
     assert_float_equal(fill_extent_pixels(&f, 5.0f), 20.0f, 1e-4f);
-    f.fill.radius_fraction[CACHE_IRRADIANCE] = f.fill.radius_fraction[CACHE_RADIANCE] = 0.5f;
+    for (int k = 0; k < CACHE_KINDS; k++) f.fill.side[k].radius_fraction = 0.5f;
     assert_float_equal(fill_extent_pixels(&f, 0.001f), 1.5f, 1e-4f);
 }
 

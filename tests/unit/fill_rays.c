@@ -42,8 +42,8 @@ static size_t fill_rays_fill(struct fill_case *f, enum cache_kind kind) {
 }
 
 static uint32_t rays_of(const struct fill_case *f, enum cache_kind kind, size_t i) {
-    return kind == CACHE_IRRADIANCE ? f->cache->irradiance[i].value.rays
-                                    : f->cache->radiance[i].rays;
+    return kind == CACHE_IRRADIANCE ? f->cache->store[CACHE_IRRADIANCE].irradiance[i].value.rays
+                                    : f->cache->store[CACHE_RADIANCE].radiance[i].rays;
 }
 
 static bool near_to(uint32_t rays, double wanted) {
@@ -84,7 +84,7 @@ static void rays_give_the_deviation_of_the_options(void **state) {
         const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
         double square = 0.0, rays = 0.0;
         for (size_t i = coarse; i < count; i++) {
-            const double d = (double)f.cache->irradiance[i].deviation;
+            const double d = (double)f.cache->store[CACHE_IRRADIANCE].irradiance[i].deviation;
             square += d * d / (double)(count - coarse);
             rays += (double)rays_of(&f, CACHE_IRRADIANCE, i) / (double)(count - coarse);
         }

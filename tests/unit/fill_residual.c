@@ -76,7 +76,7 @@ static rgb by_rays(const struct fill_residual_fixture *f) {
     struct gather_layout *layout = gather_layout_new(RAYS / 2, SATIN_HSH, ORDER);
     struct gather_worker *worker = gather_workers_new(NULL, 2 * RAYS);
     gather_hemisphere_trace(&f->c.g, layout, &site, worker->scratch, worker->hemisphere);
-    gather_hemisphere_radiance(&f->c.g, worker->hemisphere, &radiance);
+    gather_hemisphere_radiance(worker->hemisphere, f->c.g.options->radiance_gradients, &radiance);
     const rgb L = gather_hemisphere_reflected(worker->hemisphere, &brdf, WO, BRDF_GLOSSY);
     gather_workers_free(worker, 1);
     gather_layout_free(layout);

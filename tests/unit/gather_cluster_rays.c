@@ -101,7 +101,8 @@ static void radiance_with_cluster_rays_is_right(void **state) {
         site.stream = i;
         gather_hemisphere_trace(&f.room.g, f.room.layout, &site, f.room.worker->scratch,
                                 f.room.worker->hemisphere);
-        gather_hemisphere_radiance(&f.room.g, f.room.worker->hemisphere, &out);
+        gather_hemisphere_radiance(f.room.worker->hemisphere, f.room.g.options->radiance_gradients,
+                                   &out);
         for (int k = 0; k < N2; k++) {
             sum[0][k] += (double)lambda[N2 + k] / STREAMS;
             sum[1][k] += (double)dx[N2 + k] / STREAMS;

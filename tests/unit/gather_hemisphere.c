@@ -57,7 +57,7 @@ static void a_furnace_has_no_gradients(void **state) {
         struct gather_site site = gather_hemisphere_floor_site(0.3f, 0.2f, i);
         struct cache_irradiance_value value;
         gather_hemisphere_trace(&f.g, layout, &site, worker->scratch, worker->hemisphere);
-        gather_hemisphere_irradiance(&f.g, worker->hemisphere, &value);
+        gather_hemisphere_irradiance(worker->hemisphere, f.g.options->irradiance_gradients, &value);
         E += (double)value.E.g / STREAMS;
         const float c[4] = {value.grad_t[1].x, value.grad_t[1].z, value.grad_r[1].x,
                             value.grad_r[1].z};
@@ -94,7 +94,7 @@ static struct cache_irradiance_value irradiance_at(struct gather_hemisphere_fixt
                                                    struct gather_site site) {
     struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
-    gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
+    gather_hemisphere_irradiance(worker->hemisphere, f->g.options->irradiance_gradients, &value);
     return value;
 }
 
@@ -102,7 +102,7 @@ static void radiance_at(const struct gather_hemisphere_fixture *f,
                         const struct gather_layout *layout, const struct gather_worker *worker,
                         const struct gather_site *site, struct gather_radiance *out) {
     gather_hemisphere_trace(&f->g, layout, site, worker->scratch, worker->hemisphere);
-    gather_hemisphere_radiance(&f->g, worker->hemisphere, out);
+    gather_hemisphere_radiance(worker->hemisphere, f->g.options->radiance_gradients, out);
 }
 
 // Mean and deviation over streams of the irradiance by 400 rays below polished walls.
@@ -284,11 +284,11 @@ static void hemispheres_own_what_they_found(void **state) {
                              there = gather_hemisphere_floor_site(-0.7f, 0.1f, 1);
     struct cache_irradiance_value before, after;
     gather_hemisphere_trace(&f.g, layout, &here, worker->scratch, worker->hemisphere);
-    gather_hemisphere_irradiance(&f.g, worker->hemisphere, &before);
+    gather_hemisphere_irradiance(worker->hemisphere, f.g.options->irradiance_gradients, &before);
     gather_hemisphere_trace(&f.g, layout, &there, worker->scratch, other);
-    gather_hemisphere_irradiance(&f.g, worker->hemisphere, &after);
+    gather_hemisphere_irradiance(worker->hemisphere, f.g.options->irradiance_gradients, &after);
     assert_memory_equal(&before, &after, sizeof before);
-    gather_hemisphere_irradiance(&f.g, other, &after);
+    gather_hemisphere_irradiance(other, f.g.options->irradiance_gradients, &after);
     assert_memory_not_equal(&before, &after, sizeof before);
     gather_hemisphere_free(other);
     gather_workers_free(worker, 1);

@@ -68,7 +68,7 @@ static void a_spot_counts_once_in_any_lobe(void **state) {
             const struct gather_hemisphere *h = gather_lobe_rays_trace(&f, i);
             assert_true(h->all - h->count > h->stratified / 2);
             assert_true(h->all - h->count <= h->stratified);
-            gather_hemisphere_radiance(&f.room.g, h, &out);
+            gather_hemisphere_radiance(h, f.room.g.options->radiance_gradients, &out);
             assert_int_equal(out.rays, h->all);
             for (size_t k = 0; k < h->all; k++)
                 sum += (double)(h->weight[k] * h->g[k]) / wanted / STREAMS;
@@ -122,7 +122,7 @@ static void gradients_are_of_the_other_rays(void **state) {
     gather_lobe_rays_trace(&f, 1);
     struct gather_hemisphere *h = f.worker->hemisphere;
     for (size_t i = 0; i < h->count; i++) h->L[i] = rgb_grey(1.0f);
-    gather_hemisphere_radiance(&f.room.g, h, &out);
+    gather_hemisphere_radiance(h, f.room.g.options->radiance_gradients, &out);
     double size = 0.0;
     for (int k = 0; k < 3 * N2; k++) size += (double)(dx[k] * dx[k] + dy[k] * dy[k]);
     assert_true(size < 1e-12);

@@ -69,7 +69,7 @@ static double gather_surroundings_irradiance(struct gather_surroundings_fixture 
         v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream, true, NULL, {0, 0, 0}};
     struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, f->layout, &site, f->worker->scratch, f->worker->hemisphere);
-    gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
+    gather_hemisphere_irradiance(f->worker->hemisphere, f->g.options->irradiance_gradients, &value);
     if (around) gather_surroundings_make(f->worker->hemisphere, true, around);
     return (double)rgb_luminance(value.E);
 }

@@ -47,7 +47,7 @@ static struct shade_direct_result shade_direct_pixel(const struct satin_scene *s
     const struct gather g = gather_make(scene, &o, maps);
     const struct cache_tables none = {0};
     struct shade shade;
-    assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &none, &o), false,
+    assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &none, &o),
                                 (struct shade_missing){1, 8, 1.0f}, pool),
                      SATIN_OK);
     struct shade_worker worker = {.gather = shade.worker[0]};

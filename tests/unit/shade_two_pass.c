@@ -83,7 +83,7 @@ static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_tw
     struct shade_two_pass_pixel out = {0};
     const struct gather g = gather_make(room->scene, o, room->maps);
     struct shade shade;
-    assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &room->tables, o), false,
+    assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &room->tables, o),
                                 render_budget_missing(o), room->pool),
                      SATIN_OK);
     struct shade_worker worker = {.gather = shade.worker[0]};

@@ -64,7 +64,7 @@ static inline struct cache_irradiance_value spot_room_irradiance(const struct sp
                                                                  const struct gather_site *site) {
     struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, f->layout, site, f->worker->scratch, f->worker->hemisphere);
-    gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
+    gather_hemisphere_irradiance(f->worker->hemisphere, f->g.options->irradiance_gradients, &value);
     return value;
 }
 
