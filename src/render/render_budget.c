@@ -109,16 +109,18 @@ enum {
                        // samples after a moment; finer pixels follow until the time is over
     MISSING_RAYS = 8,  // of one sample where no record is near, without a time limit
     HEMISPHERE_RAYS_LEAST = 8,  // of one sample where a cache is off
-    TIMED_SAMPLES = 16,  // a typical number of samples per pixel with a time limit; it is not known
-                         // when it is first needed
     // Rays of one pixel at a rim, a power of two: whole nets. Just beyond the edge of a lamp the
     // filter's tail sees some thousandths of it, which light the pixel as much as all else: with
     // 128 rays, means of 5x5 pixels of metal-room were up to 7 % off there.
     RIM_RAYS_LEAST = 128,
     RIM_RAYS_MOST = 1024,
     RIM_RAYS_SAMPLE = 32,  // for each sample of the pixel; 1024 at production
-    RIM_RAYS_SECOND = 64   // for each second of a time limit: .3 of 16 core seconds at 400x400
+    // For each core second of a time limit: .3 of 16 core seconds at 400x400.
+    RIM_RAYS_CORE_SECOND = 32
 };
+// The samples of a pixel that a core second per pixel allows, with all that is before the image:
+// those of quality preview. Their number is not known when it is first needed.
+static const double CORE_SECOND_SAMPLES = 16.0 / 1.3e-4;
 // The number of rays at rims per pixel of the whole image. Where one pixel in twelve is at a rim,
 // as in a room with many windows, 16 leave .0007 of emission's relMSE instead of .0020 with 2, for
 // 2 % of 12 CPU seconds at 320x180. The time of drafts of the data scenes, which have few such
@@ -139,6 +141,11 @@ enum { BALANCE_STEPS = 40 };
 
 static double time_limit(const struct render *r) {
     return r->options.time > 0.0 ? r->options.time : INFINITY;
+}
+
+double render_core_seconds(const struct render *r) {
+    const int ranks = r->callbacks.ranks ? r->callbacks.ranks->count : 1;
+    return r->options.time * parallel_cores(r->options.threads) * ranks;
 }
 
 double render_elapsed(const struct render *r) {
@@ -406,9 +413,11 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
 // With a time limit a sample has one ray, because more samples of the pixel gain more than more
 // rays of a sample. The standard deviation of light along one ray of a hemisphere is about its
 // mean. Where a cache is off, the rays of a record are distributed over the samples of the pixel.
-struct shade_missing render_budget_missing(const satin_options *o) {
+struct shade_missing render_budget_missing(const satin_options *o, double core_seconds) {
     const int rays = o->time > 0.0 ? 1 : MISSING_RAYS, spp = o->spp > 1 ? o->spp : 1;
-    const int samples = o->time > 0.0 ? TIMED_SAMPLES : spp;
+    const double pixels = (double)o->width * (double)o->height;
+    const double timed = CORE_SECOND_SAMPLES * core_seconds / pixels;
+    const double samples = o->time > 0.0 ? fmax(timed, 1.0) : (double)spp;
     const int hemisphere = o->irradiance_rays / spp;
     return (struct shade_missing){
         .rays = rays,
@@ -424,9 +433,10 @@ float render_budget_sample_cost(const struct shade_counts *c) {
     return c->samples ? (float)(work / (double)c->samples) : 1.0f;
 }
 
-uint32_t render_budget_rim_rays(const satin_options *o, size_t pixels, size_t at_rims) {
-    const double wanted =
-        o->time > 0.0 ? RIM_RAYS_SECOND * o->time : (double)(RIM_RAYS_SAMPLE * (uint64_t)o->spp);
+uint32_t render_budget_rim_rays(const satin_options *o, double core_seconds, size_t pixels,
+                                size_t at_rims) {
+    const double wanted = o->time > 0.0 ? RIM_RAYS_CORE_SECOND * core_seconds
+                                        : (double)(RIM_RAYS_SAMPLE * (uint64_t)o->spp);
     const double most = RIM_RAYS_MEAN * (double)pixels / (double)at_rims;
     uint32_t rays = RIM_RAYS_MOST;
     while (rays > RIM_RAYS_LEAST && rays > wanted) rays /= 2;

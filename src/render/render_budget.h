@@ -12,9 +12,9 @@
 //
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,
-// which must not change an image. With one, they are fractions of time and of measured speeds, so
-// that they scale with the cores. Only the relative costs of rays are not measured while rendering:
-// they are those on the data scenes (render_budget_sample_cost).
+// which must not change an image. With one, they are fractions of time and of measured speeds, or
+// grow with core seconds, so that they scale with the cores. Only the relative costs of rays are
+// not measured while rendering: they are those on the data scenes (render_budget_sample_cost).
 #ifndef RENDER_BUDGET_H
 #define RENDER_BUDGET_H
 
@@ -32,6 +32,9 @@ struct shade_counts;
 void render_budget_begin(struct render *r);
 // Seconds since the render began; the same on all ranks, which must all call it.
 double render_elapsed(const struct render *r);
+// The seconds of a time limit times the threads of all ranks, which is what a budget of work grows
+// with; 0 without a limit.
+double render_core_seconds(const struct render *r);
 // The seconds that remain of options.time.
 double render_time_left(const struct render *r);
 
@@ -152,13 +155,14 @@ uint32_t render_budget_equal_samples(const satin_options *options);
 // time of the last ones is known well. Until all pixels have their equal samples, it is a multiple
 // of the number of pixels. Integrator sppm takes one sample per pixel in each. 0: no further pass.
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds);
-// How samples gather where no record is near.
-struct shade_missing render_budget_missing(const satin_options *options);
+// How samples gather where no record is near; `core_seconds` as render_core_seconds.
+struct shade_missing render_budget_missing(const satin_options *options, double core_seconds);
 // The cost of a sample without light samples, over that of a light sample, by the counts of all
 // samples so far. Each pixel divides its time between both by it.
 float render_budget_sample_cost(const struct shade_counts *counts);
 // The number of eye rays for emission alone at each of the pixels at rims: a power of two.
-uint32_t render_budget_rim_rays(const satin_options *options, size_t pixels, size_t at_rims);
+uint32_t render_budget_rim_rays(const satin_options *options, double core_seconds, size_t pixels,
+                                size_t at_rims);
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
 

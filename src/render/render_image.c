@@ -132,8 +132,8 @@ satin_status render_shading(struct render *r, const struct cache *cache) {
     struct render_second_pass *pass = &r->second_pass;
     const struct cache_reader records =
         cache_reader_make(cache, &pass->tables, pass->gather.options);
-    return shade_init(&pass->shade, &pass->gather, records, render_budget_missing(&r->options),
-                      r->pool);
+    return shade_init(&pass->shade, &pass->gather, records,
+                      render_budget_missing(&r->options, render_core_seconds(r)), r->pool);
 }
 
 // Takes the photons of the first samples, and these samples, and plans the next pass from them.

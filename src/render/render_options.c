@@ -108,8 +108,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     r->first_pass.wanted = o->photons;
     r->first_pass.chosen_by_user = !options_quality_chooses_photons(o);
     if (o->time > 0.0)
-        options_quality_seconds(o, o->time * parallel_cores(o->threads),
-                                (double)o->width * (double)o->height);
+        options_quality_seconds(o, render_core_seconds(r), (double)o->width * (double)o->height);
     o->spp = resolve_value(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
 }

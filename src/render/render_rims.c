@@ -123,7 +123,8 @@ satin_status render_rims(struct render *r, bool *whole) {
     }
     find_rims(&rims);
     if (image->rim_rays == 0 && rims.count > 0)
-        image->rim_rays = render_budget_rim_rays(&r->options, pixels, rims.count);
+        image->rim_rays =
+            render_budget_rim_rays(&r->options, render_core_seconds(r), pixels, rims.count);
     *whole =
         parallel_for_results(r->pool, rims.count, RIMS_CHUNK, trace_rims, &rims, &rims_results);
     stats_add(&r->stats, "image.rim_pixels", (double)rims.count);

@@ -129,18 +129,22 @@ static void rays_per_bin_grow_with_photons(void **state) {
 
 static void samples_gather_less_with_a_limit(void **state) {
     (void)state;
-    // A pixel of 16 samples has 128 rays, or 16 with a time limit.
-    const struct shade_missing plain = render_budget_missing(&(satin_options){.spp = 16}),
-                               timed = render_budget_missing(
-                                   &(satin_options){.spp = 1 << 20, .time = 1.0});
+    // A pixel of 16 samples has 128 rays, or 16 with the time limit that gives it these samples.
+    const satin_options limited = {.spp = 1 << 20, .time = 1.0, .width = 100, .height = 100};
+    const struct shade_missing plain = render_budget_missing(&(satin_options){.spp = 16}, 0.0),
+                               timed = render_budget_missing(&limited, 1.3),
+                               longer = render_budget_missing(&limited, 64 * 1.3),
+                               shorter = render_budget_missing(&limited, 1e-3);
     assert_int_equal(plain.rays, 8);
     assert_int_equal(timed.rays, 1);
     // Where a cache is off, the samples have the rays of a record in common, and each at least 8.
     const satin_options off = {.spp = 4, .irradiance_rays = 100};
-    assert_int_equal(render_budget_missing(&off).hemisphere, 25);
+    assert_int_equal(render_budget_missing(&off, 0.0).hemisphere, 25);
     assert_int_equal(plain.hemisphere, 8);
     assert_true(fabsf(sqrf(plain.deviation) * 128.0f - 1.0f) < 1e-5f);
     assert_true(fabsf(sqrf(timed.deviation) * 16.0f - 1.0f) < 1e-5f);
+    assert_true(fabsf(sqrf(longer.deviation) * 1024.0f - 1.0f) < 1e-5f);
+    assert_true(shorter.deviation == 1.0f);
     const struct shade_counts none = {0}, counts = {.samples = 2, .points = 2, .rays = 1};
     assert_true(render_budget_sample_cost(&none) == 1.0f);
     assert_true(render_budget_sample_cost(&counts) == 7.0f);
@@ -267,19 +271,19 @@ static void first_samples_are_few(void **state) {
 static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
     (void)state;
     const size_t pixels = 1 << 16;
-    // Most rays of a pixel, by samples per pixel or seconds.
+    // Most rays of a pixel, by samples per pixel or core seconds.
     static const struct {
         int spp;
-        double time;
+        double core_seconds;
         uint32_t most;
     } row[] = {{1, 0.0, 128},    {9, 0.0, 256}, {16, 0.0, 512}, {36, 0.0, 1024},
-               {512, 0.0, 1024}, {9, 1.0, 128}, {9, 8.0, 512},  {9, 1e9, 1024}};
+               {512, 0.0, 1024}, {9, 2.0, 128}, {9, 16.0, 512}, {9, 1e9, 1024}};
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         satin_options o = satin_options_default;
         o.spp = row[i].spp;
-        o.time = row[i].time;
+        o.time = row[i].core_seconds > 0.0 ? 1.0 : 0.0;
         for (size_t rims = 1; rims <= pixels; rims *= 2) {
-            const uint32_t rays = render_budget_rim_rays(&o, pixels, rims);
+            const uint32_t rays = render_budget_rim_rays(&o, row[i].core_seconds, pixels, rims);
             assert_true(rays > 0 && (rays & (rays - 1)) == 0);
             assert_true(rays * rims <= 16 * pixels);
             assert_true(rays == row[i].most || 2 * rays * rims > 16 * pixels);

@@ -84,7 +84,7 @@ static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_tw
     const struct gather g = gather_make(room->scene, o, room->maps);
     struct shade shade;
     assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &room->tables, o),
-                                render_budget_missing(o), room->pool),
+                                render_budget_missing(o, 0.0), room->pool),
                      SATIN_OK);
     struct shade_worker worker = {.gather = shade.worker[0]};
     shade_pixel_begin(&worker);
