@@ -160,7 +160,8 @@ class Shell:
         if self.dice.chance(0.3):
             sun = [-inward[0], max(-inward[1], 0.2), -inward[2]]
             self.parts.append(plugin(
-                "emitter", "sunsky", real("turbidity", self.dice.range(2, 8)),
+                "emitter", "sunsky", to_world(rotate("x", -90)),  # y up, as in the room
+                real("turbidity", self.dice.range(2, 8)),
                 element("point", {"name": "sun_direction", "value": triple(sun)}),
                 real("sky_scale", 0.3 * self.power), real("sun_scale", 0.3 * self.power)))
             return
