@@ -72,10 +72,10 @@ def records_of(stats):
 
 
 def fill_seconds(stats):
-    """CPU seconds of making the records of a frame, with the probes: its render has a pool of its
-    own, so the parts are of this frame alone."""
+    """CPU seconds of making the records of a frame, with the test rays: its render has a pool of
+    its own, so the parts are of this frame alone."""
     return sum(stats.get(f"parts.{part}.{kind}_s", 0.0) for kind in ("serial", "parallel")
-               for part in ("records", "sites", "choose", "gather", "insert", "adapt", "probes"))
+               for part in ("records", "sites", "choose", "gather", "insert", "adapt", "tests"))
 
 
 def main():

@@ -69,15 +69,15 @@ SATIN_API satin_status satin_film_write_exr_as(const satin_film *film, const cha
                                                void *log_user);
 
 // How light becomes a picture. All zero: the beauty, as it is, clamped.
-typedef enum satin_tone_curve {
+typedef enum satin_tone {
     SATIN_TONE_CLIP,   // linear up to 1, where the display is white
-    SATIN_TONE_FILMIC  // a curve that keeps details of bright parts
-} satin_tone_curve;
+    SATIN_TONE_FILMIC  // keeps details of bright parts
+} satin_tone;
 typedef struct satin_tonemap {
     const char *layer;   // the layer of which channels .R, .G and .B are shown; NULL: the beauty
     float exposure;      // the light is multiplied by 2^exposure [stops]
     bool auto_exposure;  // first by what makes the mean logarithm of luminance that of 0.18
-    satin_tone_curve curve;
+    satin_tone tone;
 } satin_tonemap;
 
 // Writes a picture as 8-bit sRGB PNG. If the film has a channel A, the picture of its beauty has

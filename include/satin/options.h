@@ -19,7 +19,7 @@ typedef enum satin_integrator {
     SATIN_TWO_PASS = 0,  // photon map, then cached final gathering
     SATIN_PATH,          // path tracing, the reference
     SATIN_DIRECT,        // emitted and direct light only, through ideal specular chains
-    SATIN_PHOTONS,       // direct view of the photon map
+    SATIN_PHOTONS,       // the radiance of the photon map itself
     SATIN_SPPM           // stochastic progressive photon mapping, which converges to the truth
 } satin_integrator;
 

@@ -44,16 +44,17 @@ uint64_t animation_motion_hash(const struct animation_path *path);
 // Sets the poses that the scene file has.
 void animation_poses_at_rest(const struct animation_path *path, satin_pose *pose);
 
-// ---- Curves through keyframes (animation_curve.c) -----------------------------------------------
+// ---- Splines through keyframes (animation_spline.c)
+// -----------------------------------------------
 
-// The value at x of a curve through `count` points (at[i], value[i]), where `at` ascends and x is
+// The value at x of a spline through `count` points (at[i], value[i]), where `at` ascends and x is
 // within it. Between two points it stays between their values; its slope is continuous.
 double animation_value(size_t count, const double *at, const double *value, double x);
-// The knots of the curve of animation_point, of which there are `count` too.
+// The knots of the spline of animation_point, of which there are `count` too.
 void animation_knots(size_t count, const double (*point)[3], double *knot);
-// The point at x of a curve through point[i] at at[i]: a centripetal Catmull-Rom spline. It and its
-// velocity are continuous, and it rests between two equal points. The time grows with the logarithm
-// of `count`.
+// The point at x of a spline through point[i] at at[i]: a centripetal Catmull-Rom spline. It and
+// its velocity are continuous, and it rests between two equal points. The time grows with the
+// logarithm of `count`.
 void animation_point(size_t count, const double *at, const double (*point)[3], const double *knot,
                      double x, double out[3]);
 

@@ -46,7 +46,7 @@ static satin_status print_file(const struct cache_file *file) {
     const char *options = s.provenance.options;
     const bool sh = strstr(options, " radiance-basis=sh") != NULL;
     printf("rays       %" PRIu64 "\n", s.rays);
-    printf("view       %s\n", s.provenance.view ? "complete" : "made with a time limit");
+    printf("image      %s\n", s.provenance.image ? "complete" : "made with a time limit");
     printf("irradiance %zu records\n", s.irradiance);
     satin_status status =
         print_kind(file, CACHE_IRRADIANCE, s.irradiance, option_number(options, " irradiance-a="));

@@ -7,7 +7,7 @@
 #include <strings.h>
 
 #include "apps/app_animation.h"
-#include "apps/app_live.h"
+#include "apps/app_preview.h"
 #include "apps/app_render.h"
 #include "base/fileio.h"
 #include "base/stats.h"
@@ -176,44 +176,72 @@ static satin_status find_frame_files(void *user, int number, const char *job, bo
     return status;
 }
 
+// What shows the image while it is rendered, and its progress.
+struct shown_image {
+    struct app_progress *progress;
+    struct app_preview preview;
+    struct app_display display;
+};
+
+// A satin_progress_fn.
+static bool show_progress(void *user, const satin_progress *now) {
+    struct shown_image *shown = user;
+    app_display_send(&shown->display);
+    return app_progress_update(shown->progress, now);
+}
+
+// A satin_snapshot_fn.
+static void show_snapshot(void *user, const satin_film *snapshot) {
+    struct shown_image *shown = user;
+    app_display_show(&shown->display, snapshot);
+    app_preview_write(&shown->preview, snapshot);
+}
+
+// Shows the finished image; NULL: there is none. The snapshots are not valid any more.
+static void show_image(struct shown_image *shown, const satin_film *film) {
+    app_preview_finish(&shown->preview, film);
+    app_display_finish(&shown->display, film);
+}
+
 // Renders, and shows the image meanwhile if that was asked for.
-static satin_status run_live(const struct app_render_request *r, const satin_scene *scene,
-                             const satin_options *options, const satin_animation *animation,
-                             struct app_live *live, satin_film **film) {
-    const bool first = app_ranks_first(r->ranks), shown = r->preview || r->display.wanted;
+static satin_status run_shown(const struct app_render_request *r, const satin_scene *scene,
+                              const satin_options *options, const satin_animation *animation,
+                              struct shown_image *shown, satin_film **film) {
+    const bool first = app_ranks_first(r->ranks), asked = r->preview || r->display.wanted;
     const satin_callbacks callbacks = {.log = app_log,
-                                       .log_user = live->progress,
+                                       .log_user = shown->progress,
                                        .ranks = r->ranks->ranks,
                                        .animation = animation,
-                                       .progress = app_live_progress,
-                                       .progress_user = live,
+                                       .progress = show_progress,
+                                       .progress_user = shown,
                                        .load_cache = r->load,
                                        .save_cache = r->save,
                                        .checkpoint = r->checkpoint,
                                        .resume = r->resume && !animation,
                                        .checkpoint_seconds = r->checkpoint_seconds,
-                                       .snapshot = first && shown ? app_live_snapshot : NULL,
-                                       .snapshot_user = live,
+                                       .snapshot = first && asked ? show_snapshot : NULL,
+                                       .snapshot_user = shown,
                                        .snapshot_beauty = !r->display.wanted};
-    if (first) app_display_open(&live->display, r->output, live->progress);
+    if (first) app_display_open(&shown->display, r->output, shown->progress);
     const satin_status status = satin_render(scene, options, &callbacks, film);
-    app_progress_end(live->progress);
+    app_progress_end(shown->progress);
     return status;
 }
 
 // Renders one image, and writes its files.
 static satin_status run_image(const struct app_render_request *r, const satin_scene *scene,
-                              const satin_options *options, struct app_live *live, double start) {
-    const struct log file_log = {app_log_file, live->progress};
+                              const satin_options *options, struct shown_image *shown,
+                              double start) {
+    const struct log file_log = {app_log_file, shown->progress};
     satin_film *film = NULL;
-    satin_status status = run_live(r, scene, options, NULL, live, &film);
+    satin_status status = run_shown(r, scene, options, NULL, shown, &film);
     if (film && app_ranks_first(r->ranks)) {
         satin_status written = write_outputs(r, film, options->threads, start, file_log);
         if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
         if (written != SATIN_OK) status = written;
     }
     // Last, as it may wait for the viewer.
-    if (app_ranks_first(r->ranks)) app_live_finish(live, film);
+    if (app_ranks_first(r->ranks)) show_image(shown, film);
     satin_film_free(film);
     return status;
 }
@@ -221,11 +249,11 @@ static satin_status run_image(const struct app_render_request *r, const satin_sc
 // Renders the frames of an animation, each of which is written when it is complete.
 static satin_status run_animation(const struct app_render_request *r, const satin_scene *scene,
                                   const satin_options *options,
-                                  const struct app_animation *animation, struct app_live *live,
+                                  const struct app_animation *animation, struct shown_image *shown,
                                   double start) {
     satin_animation frames = animation->frames;
     struct frame_user user = {.request = r,
-                              .progress = live->progress,
+                              .progress = shown->progress,
                               .threads = options->threads,
                               .count = frames.last - frames.first + 1,
                               .start = start,
@@ -235,17 +263,17 @@ static satin_status run_animation(const struct app_render_request *r, const sati
     frames.complete = r->resume ? find_frame_files : NULL;
     frames.moved = animation->path.object_count ? find_frame_scene : NULL;
     frames.user = &user;
-    const satin_status status = run_live(r, scene, options, &frames, live, &none);
+    const satin_status status = run_shown(r, scene, options, &frames, shown, &none);
     if (!app_ranks_first(r->ranks)) return status;
-    const bool shown = !r->quiet && (status == SATIN_OK || status == SATIN_CANCELLED);
+    const bool printed = !r->quiet && (status == SATIN_OK || status == SATIN_CANCELLED);
     const int left_out = frames.last - frames.first + 1 - user.count;
-    if (shown && left_out > 0)
+    if (printed && left_out > 0)
         fprintf(stderr, "%d frame%s complete before\n", left_out,
                 left_out == 1 ? " was" : "s were");
-    if (shown)
+    if (printed)
         fprintf(stderr, "%d frame%s, %.2f s%s\n", user.done, user.done == 1 ? "" : "s",
                 stats_wall() - start, status == SATIN_CANCELLED ? ", cancelled" : "");
-    app_live_finish(live, NULL);
+    show_image(shown, NULL);
     return status;
 }
 
@@ -264,9 +292,9 @@ static satin_status run_scene(const struct app_render_request *r, const satin_sc
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
     const satin_ranks *ranks = r->ranks->ranks;
     if (ranks) ranks->broadcast(ranks->user, 0, &options.time, sizeof options.time);
-    struct app_live live = {r->preview, &r->tonemap, r->display, progress, false};
-    return r->animation ? run_animation(r, scene, &options, animation, &live, start)
-                        : run_image(r, scene, &options, &live, start);
+    struct shown_image shown = {progress, {r->preview, &r->tonemap, progress, false}, r->display};
+    return r->animation ? run_animation(r, scene, &options, animation, &shown, start)
+                        : run_image(r, scene, &options, &shown, start);
 }
 
 // Checks that no output is a file of the scene, and of an animation that all frames can be written.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // satin tonemap: a picture of an image or of one of its layers. Also reads the arguments that
-// choose exposure and curve, which `satin render` has too.
+// choose exposure and tone mapping, which `satin render` has too.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,7 +44,7 @@ int app_take_tonemap(const char *value, satin_tonemap *tonemap) {
     const bool filmic = strcmp(value, "filmic") == 0;
     if (!filmic && strcmp(value, "clip") != 0)
         return app_wrong("--tonemap needs clip or filmic, not '%s'", value);
-    tonemap->curve = filmic ? SATIN_TONE_FILMIC : SATIN_TONE_CLIP;
+    tonemap->tone = filmic ? SATIN_TONE_FILMIC : SATIN_TONE_CLIP;
     return APP_DONE;
 }
 

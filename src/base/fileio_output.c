@@ -105,9 +105,9 @@ static const char *create_over(const struct stat *st, struct fileio_output *out)
     return problem;
 }
 
-// Opens *out, whose path is set. Returns NULL or what went wrong. With `probe` devices and pipes
-// are not opened.
-static const char *open_output(struct fileio_output *out, enum fileio_need need, bool probe) {
+// Opens *out, whose path is set. Returns NULL or what went wrong. With `check_only` devices and
+// pipes are not opened.
+static const char *open_output(struct fileio_output *out, enum fileio_need need, bool check_only) {
     struct stat st;
     out->target = fileio_follow(out->path);
     if (!out->target) return strerror(errno);
@@ -119,7 +119,7 @@ static const char *open_output(struct fileio_output *out, enum fileio_need need,
     if (S_ISREG(st.st_mode)) return create_over(&st, out);
     if (S_ISDIR(st.st_mode)) return "it is a directory";
     if (need == FILEIO_SEEK || !(S_ISCHR(st.st_mode) || S_ISFIFO(st.st_mode))) return not_regular;
-    if (probe) return access(out->target, W_OK) != 0 ? strerror(errno) : NULL;
+    if (check_only) return access(out->target, W_OK) != 0 ? strerror(errno) : NULL;
     out->fd = open(out->target, O_WRONLY | O_CLOEXEC | O_NOCTTY);
     return out->fd < 0 ? strerror(errno) : NULL;
 }

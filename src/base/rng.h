@@ -26,7 +26,7 @@ enum rng_stream {
     RNG_SMOOTH,
     RNG_RIM,
     RNG_BOX,
-    RNG_PROBE
+    RNG_RECORD_TEST
 };
 
 struct rng {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sampling of visible normals: stretches the view so that the facets are isotropic with roughness
+// Sampling of visible normals: stretches wo so that the facets are isotropic with roughness
 // 1, draws a visible slope there, and shrinks it back [Heitz 2014].
 #include "brdf/brdf_microfacet.h"
 
@@ -26,7 +26,7 @@ static double inverse_erf(double y) {
     return x - step / (1.0 + x * step);
 }
 
-// The slope along the view of a visible Beckmann facet of roughness 1, viewed at an angle of cosine
+// The slope along wo of a visible Beckmann facet of roughness 1, viewed at an angle of cosine
 // c and sine s to the normal. Its density is (c - s x) exp(-x^2) up to x = c / s, so the
 // distribution function has a closed form. It is inverted by Halley's method within a bracket, in
 // two steps on average, from a blend of the solutions for c = 1 and c = 0. Accurate to 1e-8 in u.
@@ -53,7 +53,7 @@ static double beckmann_slope(double c, double s, double u) {
     return x;
 }
 
-// A visible slope of isotropic GGX facets of roughness 1, first along the view: the projected
+// A visible slope of isotropic GGX facets of roughness 1, first along wo: the projected
 // hemisphere is a disk whose far half is foreshortened [Heitz 2018].
 static vec2 ggx_slope(float c, float s, float u, float v) {
     vec2 p = sample_disk(u, v);
@@ -63,30 +63,30 @@ static vec2 ggx_slope(float c, float s, float u, float v) {
     return (vec2){(c * p.y - s * z) * scale, p.x * scale};
 }
 
-// The view after stretching: cosine and sine to the normal, and its azimuth.
-struct stretched_view {
+// wo after stretching: cosine and sine to the normal, and its azimuth.
+struct stretched_direction {
     float c, s, cos_phi, sin_phi;
 };
 
-static struct stretched_view stretch_view(struct microfacet m, vec3 w) {
+static struct stretched_direction stretch(struct microfacet m, vec3 w) {
     vec3 t = v3_unit(v3(m.au * w.x, m.av * w.y, w.z));
     float s = sqrtf(t.x * t.x + t.y * t.y);
-    if (!(s > 0.0f)) return (struct stretched_view){1.0f, 0.0f, 1.0f, 0.0f};
-    return (struct stretched_view){t.z, s, t.x / s, t.y / s};
+    if (!(s > 0.0f)) return (struct stretched_direction){1.0f, 0.0f, 1.0f, 0.0f};
+    return (struct stretched_direction){t.z, s, t.x / s, t.y / s};
 }
 
-static vec3 shrink_slope(struct microfacet m, struct stretched_view w, vec2 slope) {
+static vec3 shrink_slope(struct microfacet m, struct stretched_direction w, vec2 slope) {
     float x = w.cos_phi * slope.x - w.sin_phi * slope.y;
     float y = w.sin_phi * slope.x + w.cos_phi * slope.y;
     return v3_unit(v3(-m.au * x, -m.av * y, 1.0f));
 }
 
 vec3 brdf_microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
-    struct stretched_view view = stretch_view(m, w);
-    vec2 slope = m.kind == BRDF_GGX ? ggx_slope(view.c, view.s, u, v)
-                                    : (vec2){(float)beckmann_slope(view.c, view.s, v),
+    struct stretched_direction stretched = stretch(m, w);
+    vec2 slope = m.kind == BRDF_GGX ? ggx_slope(stretched.c, stretched.s, u, v)
+                                    : (vec2){(float)beckmann_slope(stretched.c, stretched.s, v),
                                              (float)inverse_erf(2.0 * u - 1.0)};
-    return shrink_slope(m, view, slope);
+    return shrink_slope(m, stretched, slope);
 }
 
 // u -> 1 - u mirrors both maps from (u, v) to slopes, so half of the rule is enough. Beckmann's map
@@ -94,20 +94,20 @@ vec3 brdf_microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
 double brdf_microfacet_visible_mean(struct microfacet m, float cosine,
                                     const struct quadrature *rule,
                                     float (*fn)(const void *ctx, vec3 n), const void *ctx) {
-    struct stretched_view view =
-        stretch_view(m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine));
+    struct stretched_direction stretched =
+        stretch(m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine));
     vec2 slope[QUADRATURE_MAX];
     for (int i = 0; i < rule->count && m.kind == BRDF_BECKMANN; i++)
-        slope[i] = (vec2){(float)beckmann_slope(view.c, view.s, rule->x[i]),
+        slope[i] = (vec2){(float)beckmann_slope(stretched.c, stretched.s, rule->x[i]),
                           (float)inverse_erf(2.0 * rule->x[i] - 1.0)};
     double sum = 0.0;
     for (int i = 0; i < (rule->count + 1) / 2; i++) {
         double row = 0.0;
         for (int j = 0; j < rule->count; j++) {
-            vec2 at = m.kind == BRDF_GGX
-                          ? ggx_slope(view.c, view.s, (float)rule->x[i], (float)rule->x[j])
-                          : (vec2){slope[j].x, slope[i].y};
-            row += rule->weight[j] * (double)fn(ctx, shrink_slope(m, view, at));
+            vec2 at = m.kind == BRDF_GGX ? ggx_slope(stretched.c, stretched.s, (float)rule->x[i],
+                                                     (float)rule->x[j])
+                                         : (vec2){slope[j].x, slope[i].y};
+            row += rule->weight[j] * (double)fn(ctx, shrink_slope(m, stretched, at));
         }
         sum += (2 * i + 1 == rule->count ? 1.0 : 2.0) * rule->weight[i] * row;
     }

@@ -94,7 +94,7 @@ static float transmittance(const struct plastic_coat *c, float cosine) {
     return lerpf(c->transmittance[i], c->transmittance[i + 1], x - (float)i);
 }
 
-// A view of the rough boundary, for means over the visible facets.
+// The rough boundary, for means over the visible facets.
 struct boundary {
     struct microfacet facets;
     vec3 wo;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Quadrature of f_r cos(theta_i) times the harmonics [K05 (2.7)]. A fixed grid over the hemisphere
-// misses narrow lobes (128 x 128 midpoints have an error of 1 % at normal view), so the rule is
-// polar around the mirror direction: every azimuth goes from there to the horizon, where the
+// misses narrow lobes (128 x 128 midpoints have an error of 1 % at normal incidence), so the rule
+// is polar around the mirror direction: every azimuth goes from there to the horizon, where the
 // integrand ends, in panels that become shorter towards the lobe's peak. The integrand is smooth on
 // each panel and periodic in the azimuth, so Gauss' rule and equidistant azimuths converge fast.
 #include "brdf/brdf_project.h"

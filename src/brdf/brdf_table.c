@@ -23,7 +23,7 @@
 #include "brdf/brdf_project.h"
 
 enum {
-    RADIUS_NODES = 256,   // isotropic: a node every half degree at normal view
+    RADIUS_NODES = 256,   // isotropic: a node every half degree at normal incidence
     QUADRANT_NODES = 65,  // anisotropic, per side
     ORDER_MAX = 14
 };

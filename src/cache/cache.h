@@ -168,8 +168,8 @@ rgb cache_diffuse_albedo(const struct shading_point *p);
 // The scene and options for which records were made.
 struct cache_provenance {
     uint64_t world;  // hash of the scene
-    uint64_t
-        view;  // hash of camera, film and seed; 0 after a time limit, as more records would be made
+    // Hash of cameras, film and seed; 0 after a time limit, as more records would be made.
+    uint64_t image;
     const char *options;  // those that affect records: `name=value`, separated by spaces
 };
 
@@ -184,7 +184,7 @@ struct cache_file;
 satin_status cache_file_parse(const void *data, size_t size, const char *name, struct log log,
                               struct cache_file **file);
 void cache_file_free(struct cache_file *file);  // NULL is allowed
-// SATIN_ERROR_INPUT, with one logged line, if the records are of another provenance. The view may
+// SATIN_ERROR_INPUT, with one logged line, if the records are of another provenance. The image may
 // differ.
 satin_status cache_file_check(const struct cache_file *file,
                               const struct cache_provenance *provenance, const char *name,

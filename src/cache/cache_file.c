@@ -111,7 +111,7 @@ satin_status cache_save(const struct cache *cache, const struct cache_provenance
     struct cache_file_header h = {.version = CACHE_FILE_VERSION,
                                   .sections = SECTIONS,
                                   .world = provenance->world,
-                                  .view = provenance->view,
+                                  .image = provenance->image,
                                   .rays = cache->rays,
                                   .order = order};
     memcpy(h.magic, CACHE_FILE_MAGIC, sizeof h.magic);

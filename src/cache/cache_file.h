@@ -36,7 +36,7 @@ struct cache_file_section {
 struct cache_file_header {
     char magic[8];
     uint32_t version, sections;
-    uint64_t world, view, rays;
+    uint64_t world, image, rays;
     uint32_t order, unused;
     struct cache_file_section section[SECTIONS];
     uint64_t checksum;  // of all bytes before it

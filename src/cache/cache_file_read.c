@@ -162,7 +162,7 @@ satin_status cache_file_check(const struct cache_file *file,
 }
 
 struct cache_summary cache_file_summary(const struct cache_file *f) {
-    return (struct cache_summary){.provenance = {f->header.world, f->header.view, f->options},
+    return (struct cache_summary){.provenance = {f->header.world, f->header.image, f->options},
                                   .rays = f->header.rays,
                                   .order = (int)f->header.order,
                                   .irradiance = f->rows[SECTION_IRRADIANCE],

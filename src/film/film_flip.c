@@ -14,7 +14,7 @@
 #include "base/array.h"
 #include "film/film.h"
 
-// Pixels per degree of the view.
+// Pixels per degree of the angle of view.
 static const double PIXELS_PER_DEGREE = 0.7 * (3840.0 / 0.7) * (3.14159265358979323846 / 180.0);
 
 // The parameters of the paper: exponents of colours and features, the width of features in degrees,
@@ -74,7 +74,7 @@ static void to_opponent(const float linear[3], float out[3]) {
     out[2] = 200.0f * (xyz[1] - xyz[2]);
 }
 
-static float lab_curve(float t) {
+static float lab_f(float t) {
     const float delta = 6.0f / 29.0f;
     return t > delta * delta * delta ? cbrtf(t) : t / (3.0f * delta * delta) + 4.0f / 29.0f;
 }
@@ -83,7 +83,7 @@ static float lab_curve(float t) {
 static void to_lab(const float linear[3], float lab[3]) {
     float xyz[3];
     to_xyz(linear, xyz);
-    for (int i = 0; i < 3; i++) xyz[i] = lab_curve(xyz[i]);
+    for (int i = 0; i < 3; i++) xyz[i] = lab_f(xyz[i]);
     lab[0] = 116.0f * xyz[1] - 16.0f;
     lab[1] = 0.01f * lab[0] * 500.0f * (xyz[0] - xyz[1]);
     lab[2] = 0.01f * lab[0] * 200.0f * (xyz[1] - xyz[2]);

@@ -137,7 +137,7 @@ static unsigned char *make_picture(const struct satin_film *film, const char *na
         for (size_t c = 0; c < 3; c++) {
             const float x = factor * light[c][i] / multiplied;
             pixel[channels * i + c] =
-                film_encode_srgb(map->curve == SATIN_TONE_FILMIC ? filmic(x) : x);
+                film_encode_srgb(map->tone == SATIN_TONE_FILMIC ? filmic(x) : x);
         }
         if (alpha) pixel[4 * i + 3] = covered ? (unsigned char)lrintf(255.0f * multiplied) : 0;
     }

@@ -118,7 +118,7 @@ static bool meets_delta(const struct emission_pilot *pilot, const float u[4]) {
     return light_makes_caustic(pilot->scene, start.ray);
 }
 
-static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
+static void trace_pilot_cells(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     const struct emission_pilot *pilot = ctx;
     const struct emission_cells *cells = &pilot->emission->light[pilot->light];
@@ -223,7 +223,7 @@ satin_status guide_emission_build(const struct guide_emission_request *request,
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
         struct emission_pilot pilot = {scene, emission, request->seed, i, met};
         for (int c = 0; c < LIGHT_CELLS_MAX; c++) met[c] = 0;
-        if (!parallel_for(pool, emission->light[i].total, 64, probe_cells, &pilot))
+        if (!parallel_for(pool, emission->light[i].total, 64, trace_pilot_cells, &pilot))
             status = SATIN_CANCELLED;
         else
             sort_cells(&emission->light[i], met);

@@ -143,21 +143,14 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
     return SATIN_OK;
 }
 
-static vec3 mesh_centre(const struct mesh *mesh) {
-    vec3 lo = v3(INFINITY, INFINITY, INFINITY), hi = v3_neg(lo);
-    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        lo = v3_min(lo, scene_mesh_vertex(mesh, i));
-        hi = v3_max(hi, scene_mesh_vertex(mesh, i));
-    }
-    return v3_mul(v3_add(lo, hi), 0.5f);
-}
-
 satin_status light_area_prepare(struct satin_scene *scene, struct light *light) {
     struct shape *shape = &scene->shape[light->shape];
     if (shape->kind == SHAPE_MESH) {
         satin_status status = prepare_mesh(scene, light);
         if (status != SATIN_OK) return status;
-        light->centre = mesh_centre(&shape->mesh);
+        vec3 lo, hi;
+        scene_shape_bounds(shape, &lo, &hi);
+        light->centre = v3_mul(v3_add(lo, hi), 0.5f);
     } else {
         shape->area = scene_shape_area(shape);
         float middle = shape->kind == SHAPE_CYLINDER ? 0.5f : 0.0f;

@@ -31,7 +31,7 @@ static double elevation_root(const struct sky *sky) {
     return cbrt(asin((double)clampf(sky->sun.y, 0.0f, 1.0f)) / (0.5 * M_PI));
 }
 
-// The weights of the control points of a Bezier curve of degree five.
+// The Bernstein polynomials of degree five.
 static void bezier_weights(double x, double out[SKY_NODES]) {
     static const double binomial[SKY_NODES] = {1.0, 5.0, 10.0, 10.0, 5.0, 1.0};
     for (int i = 0; i < SKY_NODES; i++)

@@ -69,8 +69,8 @@ static void free_input(struct png_input *input) {
     free(input);
 }
 
-// Whether values are encoded by the sRGB curve, as OpenImageIO assumes, unless the file says by a
-// gamma of 1 (to the hundredth) that they are linear.
+// Whether values are encoded by the transfer function of sRGB, as OpenImageIO assumes, unless the
+// file says by a gamma of 1 (to the hundredth) that they are linear.
 static bool is_encoded(const struct png_input *input) {
     int intent;
     double exponent;

@@ -24,7 +24,7 @@ struct opened_image {
     void *input;  // of the reader
     int width, height;
     int channels;  // 1 or 3; alpha and further channels are not read
-    int srgb;      // whether values are encoded by the sRGB curve, or probably are
+    int srgb;      // whether values are encoded by the transfer function of sRGB, or probably are
 };
 
 enum reader_result { READER_DONE, READER_FAILED, READER_NO_MEMORY };

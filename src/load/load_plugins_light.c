@@ -216,7 +216,7 @@ static satin_status build_projector(struct load_state *loader, const struct para
     const struct image *image = shown ? shown->image : NULL;
     double aspect = image ? (double)image->width / image->height : 1.0;
     float tan[2];
-    status = load_view(loader, p, aspect, tan);
+    status = load_field_of_view(loader, p, aspect, tan);
     if (status != SATIN_OK) return status;
     light->tan_x = tan[0];
     light->tan_y = tan[1];

@@ -110,8 +110,8 @@ static param_list orthographic_params = {
 #define HALF_DIAGONAL_35MM 21.633307652783937
 
 // The tangent of half the angle that fov or focal_length gives, and the axis to which it refers.
-static satin_status field_of_view(struct load_state *loader, const struct params *p,
-                                  double *tangent, enum sensor_axis *axis) {
+static satin_status read_field_of_view(struct load_state *loader, const struct params *p,
+                                       double *tangent, enum sensor_axis *axis) {
     const struct param_value *angle = load_param(p, "fov"), *focal = load_param(p, "focal_length");
     if (angle->given && focal->given)
         return load_refuse(loader, p, "it has both fov and focal_length");
@@ -141,11 +141,11 @@ static satin_status field_of_view(struct load_state *loader, const struct params
     return SATIN_OK;
 }
 
-satin_status load_view(struct load_state *loader, const struct params *p, double aspect,
-                       float tan[2]) {
+satin_status load_field_of_view(struct load_state *loader, const struct params *p, double aspect,
+                                float tan[2]) {
     double tangent = 0.0;
     enum sensor_axis axis = AXIS_X;
-    satin_status status = field_of_view(loader, p, &tangent, &axis);
+    satin_status status = read_field_of_view(loader, p, &tangent, &axis);
     if (status != SATIN_OK) return status;
     if (axis == AXIS_SMALLER) axis = aspect > 1.0 ? AXIS_Y : AXIS_X;
     if (axis == AXIS_LARGER) axis = aspect > 1.0 ? AXIS_X : AXIS_Y;
@@ -157,11 +157,12 @@ satin_status load_view(struct load_state *loader, const struct params *p, double
     return load_refuse(loader, p, "its angle of view must be in (0, 180) degrees");
 }
 
-static satin_status set_view(struct load_state *loader, const struct params *p,
-                             struct camera *camera) {
+static satin_status set_field_of_view(struct load_state *loader, const struct params *p,
+                                      struct camera *camera) {
     const struct scene_film *film = &loader->scene->film;
     float tan[2];
-    satin_status status = load_view(loader, p, (double)film->width / (double)film->height, tan);
+    satin_status status =
+        load_field_of_view(loader, p, (double)film->width / (double)film->height, tan);
     if (status != SATIN_OK) return status;
     camera->tan_x = tan[0];
     camera->tan_y = tan[1];
@@ -197,7 +198,7 @@ static satin_status build_camera(struct load_state *loader, const struct params 
     struct camera *camera = object;
     satin_status status = set_clip(loader, p, camera);
     if (status == SATIN_OK) status = set_sensor_transform(loader, p, camera);
-    return status == SATIN_OK ? set_view(loader, p, camera) : status;
+    return status == SATIN_OK ? set_field_of_view(loader, p, camera) : status;
 }
 
 // The film is 2 wide and has the height of its aspect ratio; to_world scales it.

@@ -103,8 +103,8 @@ satin_status load_emitter_add(struct load_state *loader, struct xml_node *node,
 satin_status load_sensor(struct load_state *loader, struct xml_node *node);
 // Computes the half extents at unit distance from the parameters fov, fov_axis and focal_length,
 // for an aspect ratio width / height. Below are the choices of fov_axis.
-satin_status load_view(struct load_state *loader, const struct params *p, double aspect,
-                       float tan[2]);
+satin_status load_field_of_view(struct load_state *loader, const struct params *p, double aspect,
+                                float tan[2]);
 extern const char *const load_fov_axes[];
 // Reads the `name:type` pairs of an `aov` integrator (load_aov.c).
 satin_status load_aovs(struct load_state *loader, const struct param_value *text,

@@ -19,7 +19,8 @@ const struct option options_table[] = {
      "chooses these values itself, as functions of the time per pixel through the presets."},
     {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons|sppm",
      "The algorithm: photon maps and cached final gathering (two-pass), path tracing as the "
-     "reference (path), emitted and direct light alone (direct), a direct view of the photon map "
+     "reference (path), emitted and direct light alone (direct), the radiance of the photon map "
+     "itself "
      "(photons), or stochastic progressive photon mapping, a reference for caustics that path "
      "tracing does not find (sppm)."},
     {"first-pass", OPTION_CHOICE, AT(first_pass), false, "precomputed|photons|path|none|recursive",

@@ -167,7 +167,7 @@ static satin_status make_moved_frame(struct render *at_rest, satin_film **film) 
 // image of a frame that was cancelled.
 static satin_status make_frames(struct render *r, satin_status status) {
     const bool moved = r->callbacks.animation->moved;
-    if (status == SATIN_OK && moved) status = render_probes_make(r);
+    if (status == SATIN_OK && moved) status = render_tests_make(r);
     if (status == SATIN_OK) render_frames_begin(r);
     while (status == SATIN_OK && render_frame_next(r, &status)) {
         satin_film *film = NULL;

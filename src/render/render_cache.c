@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files of cache records. A file is valid for a scene, with any sensor and integrator element, and
-// for the options that affect records. A render of the same view uses the records unchanged; one of
-// another view adds those that are missing.
+// for the options that affect records. A render of the same image uses the records unchanged; one
+// of another image adds those that are missing.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,11 +60,11 @@ static char *deciding_options(const struct render *r) {
 
 // A hash of everything that determines the positions of records; 0 with a time limit, which affects
 // them too.
-static uint64_t view_hash(const struct render *r) {
+static uint64_t image_hash(const struct render *r) {
     const satin_options *o = &r->options;
     if (o->time > 0.0) return 0;
-    const uint64_t view[4] = {r->scene.hash, (uint64_t)o->width, (uint64_t)o->height, o->seed};
-    uint64_t hash = fileio_hash(FILEIO_HASH, view, sizeof view);
+    const uint64_t image[4] = {r->scene.hash, (uint64_t)o->width, (uint64_t)o->height, o->seed};
+    uint64_t hash = fileio_hash(FILEIO_HASH, image, sizeof image);
     const uint64_t views = render_views_hash(r);
     if (views) hash = fileio_hash(hash, &views, sizeof views);
     if (o->crop_width < 1 || o->crop_height < 1) return hash;
@@ -77,7 +77,7 @@ static uint64_t view_hash(const struct render *r) {
 // frees them.
 static struct cache_provenance provenance_of(const struct render *r, char **options) {
     *options = deciding_options(r);
-    return (struct cache_provenance){r->scene.world, view_hash(r), *options};
+    return (struct cache_provenance){r->scene.world, image_hash(r), *options};
 }
 
 satin_status render_cache_open(struct render *r) {
@@ -106,8 +106,8 @@ satin_status render_cache_open(struct render *r) {
 
 bool render_cache_whole(const struct render *r) {
     if (!r->second_pass.file) return false;
-    const uint64_t view = cache_file_summary(r->second_pass.file).provenance.view;
-    return view != 0 && view == view_hash(r);
+    const uint64_t image = cache_file_summary(r->second_pass.file).provenance.image;
+    return image != 0 && image == image_hash(r);
 }
 
 satin_status render_cache_load(struct render *r, bool *whole) {

@@ -89,7 +89,7 @@ struct render_image {
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
     rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result
-    struct film_noisy noisy;  // the denoiser's view of these
+    struct film_noisy noisy;  // what the denoiser reads of these
     bool denoised;            // whether there is a result
 };
 

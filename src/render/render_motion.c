@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames in which objects or lights have moved. Each is a render of its own, of a scene of its own,
 // with photons of its own; but it begins with those records of the scene at rest whose light has
-// not changed. To know which, a few rays, the probes of a record, are traced from it in both
+// not changed. To know which, a few rays, the test rays of a record, are traced from it in both
 // scenes, with the same random numbers: where they hit, and what light they bring. So it does not
 // matter what has moved, and how the light of a record depends on it. What is kept in a frame
 // depends on the scene at rest and on that frame, not on other frames.
@@ -12,100 +12,101 @@
 #include "base/sampling.h"
 #include "render/render_state.h"
 
-enum { PROBE_SIDE = 8, PROBE_RAYS = PROBE_SIDE * PROBE_SIDE };  // strata of a hemisphere
+enum { TEST_SIDE = 8, TEST_RAYS = TEST_SIDE * TEST_SIDE };  // strata of a hemisphere
 // The largest change of a record that is kept, as a fraction of its light (docs/animation.md).
 static const float CHANGE_MOST = 0.02f;
 // Distances that differ by less, as a fraction, are of one surface.
 static const float SAME_DISTANCE = 1e-3f;
 
 // What the rays of a record meet. Distances are INFINITY where that is nothing.
-struct record_probe {
-    float foot;                          // the surface below a point just above the record
-    float r[PROBE_RAYS], L[PROBE_RAYS];  // distances, and luminances of the light they bring
+struct record_test {
+    float foot;                        // the surface below a point just above the record
+    float r[TEST_RAYS], L[TEST_RAYS];  // distances, and luminances of the light they bring
 };
-struct render_probes {
-    struct record_probe *of[CACHE_KINDS];  // of the records, in their order
+struct render_tests {
+    struct record_test *of[CACHE_KINDS];  // of the records, in their order
 };
 
-// ---- Probes -------------------------------------------------------------------------------------
+// ---- Test rays
+// -------------------------------------------------------------------------------------
 
-struct probe_job {
+struct test_loop {
     const struct render *r;     // in whose scene the rays are traced
     const struct cache *cache;  // whose records they are of
     enum cache_kind kind;
-    struct record_probe *out;
+    struct record_test *out;
     struct gather_worker *worker;
 };
 
-static void probe_record(const struct probe_job *job, size_t i, struct gather_scratch *scratch,
-                         struct record_probe *out) {
-    const struct render *r = job->r;
-    const struct cache_head *head = &job->cache->store[job->kind].tree.head[i];
+static void test_record(const struct test_loop *loop, size_t i, struct gather_scratch *scratch,
+                        struct record_test *out) {
+    const struct render *r = loop->r;
+    const struct cache_head *head = &loop->cache->store[loop->kind].tree.head[i];
     const struct frame frame = frame_from_normal(head->n);
-    struct rng rng = rng_make(r->options.seed, RNG_PROBE, 2 * (uint64_t)i + job->kind);
-    struct gather_ray ray[PROBE_RAYS];
+    struct rng rng = rng_make(r->options.seed, RNG_RECORD_TEST, 2 * (uint64_t)i + loop->kind);
+    struct gather_ray ray[TEST_RAYS];
     // A record is on a surface if that is met from this height.
     const float height = fmaxf(0.01f * head->R, 8.0f * r->scene.epsilon);
     const vec3 above = v3_mad(head->p, height, head->n);
     out->foot =
         scene_distance(&r->scene, &(struct ray){above, 0.0f, v3_neg(head->n), 2.0f * height});
-    for (int k = 0; k < PROBE_RAYS; k++) {
-        const float u = sample_stratum(k / PROBE_SIDE, rng_float(&rng), PROBE_SIDE),
-                    v = sample_stratum(k % PROBE_SIDE, rng_float(&rng), PROBE_SIDE);
+    for (int k = 0; k < TEST_RAYS; k++) {
+        const float u = sample_stratum(k / TEST_SIDE, rng_float(&rng), TEST_SIDE),
+                    v = sample_stratum(k % TEST_SIDE, rng_float(&rng), TEST_SIDE);
         const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));
         ray[k] = (struct gather_ray){.ray = scene_spawn(&r->scene, head->p, head->n, d),
                                      .item = (uint32_t)k};
     }
-    gather_rays(&r->second_pass.gather, scratch, ray, PROBE_RAYS,
-                rng_mix(2 * (uint64_t)i + job->kind));
-    for (int k = 0; k < PROBE_RAYS; k++) {
+    gather_rays(&r->second_pass.gather, scratch, ray, TEST_RAYS,
+                rng_mix(2 * (uint64_t)i + loop->kind));
+    for (int k = 0; k < TEST_RAYS; k++) {
         out->r[k] = ray[k].first.r;
         out->L[k] = rgb_luminance(ray[k].L);
     }
 }
 
-static void probe_records(void *ctx, size_t begin, size_t end, int worker) {
-    const struct probe_job *job = ctx;
+static void test_records(void *ctx, size_t begin, size_t end, int worker) {
+    const struct test_loop *loop = ctx;
     for (size_t i = begin; i < end; i++)
-        probe_record(job, i, job->worker[worker].scratch, &job->out[i]);
+        test_record(loop, i, loop->worker[worker].scratch, &loop->out[i]);
 }
 
-// Probes the records of a kind, of which `cache` has at least one, in the scene of r.
-static satin_status probe_all(const struct render *r, const struct cache *cache,
-                              enum cache_kind kind, struct record_probe **out) {
+// Tests the records of a kind, of which `cache` has at least one, in the scene of r.
+static satin_status test_all(const struct render *r, const struct cache *cache,
+                             enum cache_kind kind, struct record_test **out) {
     const size_t count = cache_count(cache, kind);
-    struct probe_job job = {r, cache, kind, array_new(count, sizeof *job.out),
-                            gather_workers_new(r->pool, PROBE_RAYS)};
-    const struct parallel_results results = {.slot[0] = {job.out, sizeof *job.out}};
-    satin_status status = job.out && job.worker ? SATIN_OK : SATIN_ERROR_MEMORY;
+    struct test_loop loop = {r, cache, kind, array_new(count, sizeof *loop.out),
+                             gather_workers_new(r->pool, TEST_RAYS)};
+    const struct parallel_results results = {.slot[0] = {loop.out, sizeof *loop.out}};
+    satin_status status = loop.out && loop.worker ? SATIN_OK : SATIN_ERROR_MEMORY;
     if (status == SATIN_OK &&
-        !parallel_for_results(r->pool, count, 16, probe_records, &job, &results))
+        !parallel_for_results(r->pool, count, 16, test_records, &loop, &results))
         status = SATIN_CANCELLED;
-    gather_workers_free(job.worker, parallel_threads(r->pool));
+    gather_workers_free(loop.worker, parallel_threads(r->pool));
     if (status == SATIN_OK)
-        *out = job.out;
+        *out = loop.out;
     else
-        free(job.out);
+        free(loop.out);
     return status;
 }
 
-satin_status render_probes_make(struct render *r) {
+satin_status render_tests_make(struct render *r) {
     const struct cache *cache = r->second_pass.cache;
     satin_status status = SATIN_OK;
     if (!render_has_stage(r, STAGE_RECORDS)) return SATIN_OK;
-    struct render_probes *probes = calloc(1, sizeof *probes);
-    if (!probes) return SATIN_ERROR_MEMORY;
-    r->motion.probes = probes;
-    parallel_begin_part(r->pool, "probes");
+    struct render_tests *tests = calloc(1, sizeof *tests);
+    if (!tests) return SATIN_ERROR_MEMORY;
+    r->motion.tests = tests;
+    parallel_begin_part(r->pool, "tests");
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++)
-        if (cache_count(cache, k)) status = probe_all(r, cache, k, &probes->of[k]);
+        if (cache_count(cache, k)) status = test_all(r, cache, k, &tests->of[k]);
     return status;
 }
 
-void render_probes_free(struct render_probes *probes) {
-    if (!probes) return;
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) free(probes->of[k]);
-    free(probes);
+void render_tests_free(struct render_tests *tests) {
+    if (!tests) return;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) free(tests->of[k]);
+    free(tests);
 }
 
 // ---- Which records are kept ---------------------------------------------------------------------
@@ -116,9 +117,9 @@ static bool same_distance(float a, float b) {
 
 // The fraction of a record's light that has changed: all light of rays that meet something else,
 // and the sum of the changes of the others, whose noise cancels.
-static float changed_fraction(const struct record_probe *before, const struct record_probe *now) {
+static float changed_fraction(const struct record_test *before, const struct record_test *now) {
     float met = 0.0f, change = 0.0f, all = 0.0f;
-    for (int k = 0; k < PROBE_RAYS; k++) {
+    for (int k = 0; k < TEST_RAYS; k++) {
         const float most = fmaxf(before->L[k], now->L[k]);
         if (same_distance(before->r[k], now->r[k]))
             change += now->L[k] - before->L[k];
@@ -129,7 +130,7 @@ static float changed_fraction(const struct record_probe *before, const struct re
     return all > 0.0f ? (met + fabsf(change)) / all : 0.0f;
 }
 
-static bool is_kept(const struct record_probe *before, const struct record_probe *now) {
+static bool is_kept(const struct record_test *before, const struct record_test *now) {
     return same_distance(before->foot, now->foot) && changed_fraction(before, now) < CHANGE_MOST;
 }
 
@@ -143,15 +144,15 @@ satin_status render_keep_records(struct render *r) {
     const struct render *at_rest = r->motion.at_rest;
     const struct cache *from = at_rest->second_pass.cache;
     struct cache *to = r->second_pass.cache;
-    const char *part = parallel_begin_part(r->pool, "probes");
+    const char *part = parallel_begin_part(r->pool, "tests");
     r->scene.view = NULL;  // records are made for the view of the frame alone
     const double start = stats_wall();
     satin_status status = SATIN_OK;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++) {
-        const struct record_probe *before = at_rest->motion.probes->of[k];
-        struct record_probe *now = NULL;
+        const struct record_test *before = at_rest->motion.tests->of[k];
+        struct record_test *now = NULL;
         if (!before || from->store[k].order != to->store[k].order) continue;
-        status = probe_all(r, from, k, &now);
+        status = test_all(r, from, k, &now);
         for (size_t i = 0; status == SATIN_OK && i < cache_count(from, k); i++) {
             const bool fits = is_inside(&to->store[k].tree, from->store[k].tree.head[i].p);
             if (fits && is_kept(&before[i], &now[i]) && !cache_insert_copy(to, from, k, i))
@@ -162,7 +163,7 @@ satin_status render_keep_records(struct render *r) {
     stats_set(&r->stats, "frame.records_kept", (double)cache_count_all(to));
     stats_set(&r->stats, "frame.records_dropped",
               (double)(cache_count_all(from) - cache_count_all(to)));
-    stats_set(&r->stats, "frame.probes_s", stats_wall() - start);
+    stats_set(&r->stats, "frame.tests_s", stats_wall() - start);
     parallel_begin_part(r->pool, part);
     return status;
 }

@@ -32,7 +32,7 @@ void render_free(struct render *r) {
     render_recursive_bounces_free(r);
     cache_tables_free(&r->second_pass.tables);
     render_views_free(r);
-    render_probes_free(r->motion.probes);
+    render_tests_free(r->motion.tests);
     photon_maps_free(r->first_pass.maps);
     photon_sppm_free(r->first_pass.sppm);
     gather_direct_free(&r->first_pass.direct);

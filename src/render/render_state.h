@@ -112,7 +112,7 @@ struct render_frames {
 // What is needed where objects move.
 struct render_motion {
     const satin_options *options;  // of the caller, not resolved
-    struct render_probes *probes;  // what the records of the scene at rest see, or NULL
+    struct render_tests *tests;    // what the records of the scene at rest see, or NULL
     // In the render of a frame:
     const struct render *at_rest;  // the render of the scene at rest
     const struct camera *camera;   // the camera of the frame
@@ -183,8 +183,8 @@ satin_status render_frame_done(struct render *r, struct satin_film *film);
 
 // ---- render_motion.c: frames in which objects and lights have moved
 // Finds what the records of the scene at rest see. To be called when all of them are made.
-satin_status render_probes_make(struct render *r);
-void render_probes_free(struct render_probes *probes);  // NULL is allowed
+satin_status render_tests_make(struct render *r);
+void render_tests_free(struct render_tests *tests);  // NULL is allowed
 // In the render of a frame, adds to its cache the records of the scene at rest that are still
 // right.
 satin_status render_keep_records(struct render *r);

@@ -32,7 +32,7 @@ INLINE void one_band(int l, int channels, int n, const struct slants *s, const f
     struct factors f[RSH_MAX_ORDER];
 #pragma GCC unroll 16
     for (int m = 0; m <= l; m++) f[m] = factors_of(1, l, m, s);
-    const vf own = s->own[1] + rsh_curve[l * (l + 1) - 1] * s->curve[1];
+    const vf own = s->own[1] + rsh_d2_diagonal[l * (l + 1) - 1] * s->d2_diagonal[1];
     for (; channels > 0; channels--, in += n, out += n) {
         vf plus[3], minus[3];
         plus[1] = load(in), minus[1] = (vf){0};

@@ -18,7 +18,7 @@
 // entries of the series' matrices: beta^k / k! times the cosine of the input's multiple of gamma
 // and of m alpha.
 struct slants {
-    vf gamma[RSH_MAX_ORDER], alpha[RSH_MAX_ORDER], own[RSH_MAX_ORDER], curve[RSH_MAX_ORDER];
+    vf gamma[RSH_MAX_ORDER], alpha[RSH_MAX_ORDER], own[RSH_MAX_ORDER], d2_diagonal[RSH_MAX_ORDER];
     vf down[RSH_MAX_ORDER], up[RSH_MAX_ORDER], down2[RSH_MAX_ORDER], up2[RSH_MAX_ORDER];
 };
 
@@ -51,7 +51,7 @@ INLINE void slants_of(int offsets, const struct rsh_rotations *t, int order, str
         s->gamma[m] = sine[0] * (to * inverse);
         s->alpha[m] = alpha.s * (c[2] * inverse);
         s->own[m] = both;
-        s->curve[m] = half_square * c[2];
+        s->d2_diagonal[m] = half_square * c[2];
         s->down[m] = tilt * c[1];
         s->up[m] = tilt * c[3];
         if (offsets == 2) {
@@ -97,7 +97,7 @@ INLINE struct factors factors_of(int offsets, int l, int m, const struct slants 
     const float *slope = rsh_slope + l * (l + 1) + m;
     // Beyond l the slope is 0; the table has that of the next band there.
     const float up = m < l ? slope[1] : 0.0f;
-    struct factors f = {.own = s->own[m] + rsh_curve[l * (l + 1) + m] * s->curve[m]};
+    struct factors f = {.own = s->own[m] + rsh_d2_diagonal[l * (l + 1) + m] * s->d2_diagonal[m]};
     f.down = m > 0 ? slope[0] * s->down[m] : (vf){0};
     f.up = up * s->up[m];
     if (offsets == 2) {
@@ -131,7 +131,7 @@ INLINE void series_band(int offsets, int l, int channels, const struct slants *s
         if (m == 0) {
             for (int c = 0; c < channels; c++) store(out.p + c * out.channel, a[c]);
         } else {
-            if (m == 1) f.own = s->own[1] + rsh_curve[l * (l + 1) - 1] * s->curve[1];
+            if (m == 1) f.own = s->own[1] + rsh_d2_diagonal[l * (l + 1) - 1] * s->d2_diagonal[1];
             series_row(offsets, channels, &f, minus, b);
             store_slanted(out, channels, s->alpha[m], m, a, b);
         }

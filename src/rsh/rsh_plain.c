@@ -82,7 +82,8 @@ static void rotate_taylor(enum rsh_method method, float beta, int n, float *v) {
     const float *s = rsh_slope;
     for (int i = 0; i < n; i++)
         d1[i] = (i > 0 ? s[i] * v[i - 1] : 0.0f) - (i + 1 < n ? s[i + 1] * v[i + 1] : 0.0f);
-    for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_1_5; i++) d2[i] = rsh_curve[i] * v[i];
+    for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_1_5; i++)
+        d2[i] = rsh_d2_diagonal[i] * v[i];
     for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_2; i++)
         d2[i] = (i > 0 ? s[i] * d1[i - 1] : 0.0f) - (i + 1 < n ? s[i + 1] * d1[i + 1] : 0.0f);
     for (int i = 0; i < n; i++) v[i] += beta * d1[i] + 0.5f * beta * beta * d2[i];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rotation on lanes; one source for AVX2 and AVX-512: the build defines RSH_NAME, the suffix.
-// Orders up to 6 are in rsh_rotate_pairs.c. rsh_tables.h describes the layout. A group of bands is
+// Orders up to 6 are in rsh_rotate_pairs.c. rsh_tables.h describes the layout. A set of bands is
 // loaded, rotated about z, y and z, and stored. Values that depend only on the angles are computed
 // once for all channels.
 #include "rsh/rsh_rotate_lanes.h"
@@ -53,14 +53,14 @@ INLINE void rotate_z(struct multiple_angle t, lanes *even, lanes *odd) {
     *odd = lanes_mad(t.sine, a, lanes_mul(t.cosine, b));
 }
 
-// Constants of a group at the point of use: its number of coefficients, the steps of its exchange,
+// Constants of a set at the point of use: its number of coefficients, the steps of its exchange,
 // and the steps after the first.
 struct lane_span {
     int first, end, steps, offset;
 };
 
 // Exchanges y and z of `block` channels. Direction 0 is from the outer to the inner layout, 1 back.
-INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span, int direction,
+INLINE void exchange_lanes(const struct rsh_lane_set *g, struct lane_span span, int direction,
                            int block, lanes *even, lanes *odd) {
     const struct rsh_lane_step *step = rsh_lane_steps + span.offset;
     indices source = indices_load(g->source[direction]), other = indices_opposite(source);
@@ -86,7 +86,7 @@ INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span
 
 // D, the derivative of the rotation about y: the contribution of `other` to the even (0) or odd (1)
 // component.
-INLINE lanes lane_derivative(const struct rsh_lane_group *g, int component, lanes other) {
+INLINE lanes lane_derivative(const struct rsh_lane_set *g, int component, lanes other) {
     lanes down =
         lanes_mul(lanes_across(other, indices_load(g->down)), lanes_load(g->from_down[component]));
     return lanes_mad(lanes_across(other, indices_load(g->up)), lanes_load(g->from_up[component]),
@@ -94,7 +94,7 @@ INLINE lanes lane_derivative(const struct rsh_lane_group *g, int component, lane
 }
 
 // Rotates about y by the series.
-INLINE void rotate_lane_series(const struct rsh_lane_group *g, const struct rsh_rotation *t,
+INLINE void rotate_lane_series(const struct rsh_lane_set *g, const struct rsh_rotation *t,
                                lanes *even, lanes *odd) {
     lanes a = lane_derivative(g, 0, *odd), b = lane_derivative(g, 1, *even),
           beta = lanes_splat(t->beta);
@@ -103,15 +103,15 @@ INLINE void rotate_lane_series(const struct rsh_lane_group *g, const struct rsh_
         a = lanes_mad(half, lane_derivative(g, 0, first_b), a);
         b = lanes_mad(half, lane_derivative(g, 1, first_a), b);
     } else if (t->method == RSH_METHOD_TAYLOR_1_5) {
-        a = lanes_mad(half, lanes_mul(*even, lanes_load(g->curve[0])), a);
-        b = lanes_mad(half, lanes_mul(*odd, lanes_load(g->curve[1])), b);
+        a = lanes_mad(half, lanes_mul(*even, lanes_load(g->d2_diagonal[0])), a);
+        b = lanes_mad(half, lanes_mul(*odd, lanes_load(g->d2_diagonal[1])), b);
     }
     *even = lanes_mad(beta, a, *even);
     *odd = lanes_mad(beta, b, *odd);
 }
 
-// Permutes the multiples to the lanes of the group, in the outer (0) or the inner (1) layout.
-INLINE struct multiple_angle lane_multiples(const struct rsh_lane_group *g, int inner,
+// Permutes the multiples to the lanes of the set, in the outer (0) or the inner (1) layout.
+INLINE struct multiple_angle lane_multiples(const struct rsh_lane_set *g, int inner,
                                             struct multiple_angle a) {
     const indices p = indices_load(g->power[inner]);
     if (inner) return (struct multiple_angle){lanes_any(a.cosine, p), lanes_any(a.sine, p)};
@@ -122,10 +122,10 @@ struct angles {
     struct multiple_angle alpha, beta, gamma;
 };
 
-// Rotates one group. `in` and `out` are the first of `block` channels of n coefficients each.
-INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
-                         const struct rsh_rotation *t, const struct angles *angles, int block,
-                         int n, const float *in, float *out) {
+// Rotates one set. `in` and `out` are the first of `block` channels of n coefficients each.
+INLINE void rotate_set(const struct rsh_lane_set *g, struct lane_span span,
+                       const struct rsh_rotation *t, const struct angles *angles, int block, int n,
+                       const float *in, float *out) {
     const int count = (n < span.end ? n : span.end) - span.first;
     in += span.first;
     out += span.first;
@@ -152,18 +152,18 @@ INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }
 
-// Rotates the first two groups, which all these orders have, with constant spans, and then the
+// Rotates the first two sets, which all these orders have, with constant spans, and then the
 // others.
 INLINE void rotate_lane_channels(const struct rsh_rotation *t, const struct angles *angles,
                                  int order, int block, const float *in, float *out) {
-    const struct rsh_lane_group *g = rsh_lane_groups, *end = g + RSH_LANE_GROUPS;
+    const struct rsh_lane_set *g = rsh_lane_sets, *end = g + RSH_LANE_SETS;
     const int n = order * order;
-    rotate_group(g++, (struct lane_span){0, 16, 2, 0}, t, angles, block, n, in, out);
-    rotate_group(g++, (struct lane_span){16, 36, 3, 2}, t, angles, block, n, in, out);
+    rotate_set(g++, (struct lane_span){0, 16, 2, 0}, t, angles, block, n, in, out);
+    rotate_set(g++, (struct lane_span){16, 36, 3, 2}, t, angles, block, n, in, out);
     for (; g < end && g->first < n; g++) {
         const int next = g + 1 < end ? g[1].first : RSH_MAX_COEFFICIENTS;
         const struct lane_span span = {g->first, next, g->steps, g->offset};
-        rotate_group(g, span, t, angles, block, n, in, out);
+        rotate_set(g, span, t, angles, block, n, in, out);
     }
 }
 

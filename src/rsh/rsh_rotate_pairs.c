@@ -12,10 +12,10 @@
 #include "rsh/rsh_rotate_lanes.h"
 #include "rsh/rsh_tables.h"
 
-// Group 0 is for orders up to 4, group 1 for orders 5 and 6.
-#define VECTORS(group) (1 + (group))
-#define STEPS(group) (2 + (group))
-#define FIRST(group) (4 * (group))
+// Set 0 is for orders up to 4, set 1 for orders 5 and 6.
+#define VECTORS(set) (1 + (set))
+#define STEPS(set) (2 + (set))
+#define FIRST(set) (4 * (set))
 enum { MOST_VECTORS = 2, MOST_STEPS = 3 };
 
 enum { ALPHA, BETA, GAMMA, ANGLES };
@@ -40,7 +40,7 @@ INLINE lanes three(float alpha, float beta, float gamma) {
 // Computes the multiples of all angles at once and permutes them to the lanes that use them. The
 // exchange reverses the sense: a rotation about y by beta is one about z by -beta between two
 // exchanges.
-INLINE void multiply(const struct rsh_rotation *t, int group, struct spin *spins) {
+INLINE void multiply(const struct rsh_rotation *t, int set, struct spin *spins) {
     const struct rsh_pair_multiples *m = &rsh_pair_multiples;
     const lanes c1 = three(t->cos_alpha, t->cos_beta, t->cos_gamma);
     const lanes s1 = three(t->sin_alpha, -t->sin_beta, t->sin_gamma);
@@ -53,39 +53,38 @@ INLINE void multiply(const struct rsh_rotation *t, int group, struct spin *spins
     c = lanes_mul(c, lanes_choose_of(RSH_PAIR_ODD, c1, lanes_splat(1.0f)));
     s = lanes_mul(s, lanes_choose_of(RSH_PAIR_ODD, s1, lanes_mul(c1, s1)));
     for (int a = GAMMA; a >= ALPHA; a--)
-        for (int i = 0; i < VECTORS(group); i++) {
-            const indices p = indices_load(rsh_pair_groups[group].lanes[i].multiple[a]);
+        for (int i = 0; i < VECTORS(set); i++) {
+            const indices p = indices_load(rsh_pair_sets[set].lanes[i].multiple[a]);
             spins[a].cosine[i] = lanes_any(c, p);
             spins[a].sine[i] = lanes_any(s, p);
         }
 }
 
-INLINE void rotate_pairs_z(const struct spin *spin, int group, lanes *v) {
+INLINE void rotate_pairs_z(const struct spin *spin, int set, lanes *v) {
     lanes w[MOST_VECTORS];
-    for (int i = 0; i < VECTORS(group); i++)
-        w[i] = lanes_mul(spin->sine[i], lanes_swap_pairs(v[i]));
-    for (int i = 0; i < VECTORS(group); i++) v[i] = lanes_mad_sub(spin->cosine[i], v[i], w[i]);
+    for (int i = 0; i < VECTORS(set); i++) w[i] = lanes_mul(spin->sine[i], lanes_swap_pairs(v[i]));
+    for (int i = 0; i < VECTORS(set); i++) v[i] = lanes_mad_sub(spin->cosine[i], v[i], w[i]);
 }
 
-INLINE struct pair_exchange load_exchange(int group) {
+INLINE struct pair_exchange load_exchange(int set) {
     struct pair_exchange e;
-    for (int k = 0; k < STEPS(group); k++)
-        for (int i = 0; i < VECTORS(group); i++) {
-            const struct rsh_pair_lanes *p = &rsh_pair_groups[group].lanes[i];
+    for (int k = 0; k < STEPS(set); k++)
+        for (int i = 0; i < VECTORS(set); i++) {
+            const struct rsh_pair_lanes *p = &rsh_pair_sets[set].lanes[i];
             e.source[i][k] = indices_held(indices_load(p->source[k]));
             e.factor[i][k] = lanes_load(p->factor[k]);
         }
     return e;
 }
 
-INLINE void swap(const struct pair_exchange *e, int group, lanes *v) {
+INLINE void swap(const struct pair_exchange *e, int set, lanes *v) {
     lanes sum[MOST_VECTORS];
-    for (int k = 0; k < STEPS(group); k++)
-        for (int i = 0; i < VECTORS(group); i++) {
+    for (int k = 0; k < STEPS(set); k++)
+        for (int i = 0; i < VECTORS(set); i++) {
             const lanes w = lanes_any(v[i], e->source[i][k]);
             sum[i] = k ? lanes_mad(w, e->factor[i][k], sum[i]) : lanes_mul(w, e->factor[i][k]);
         }
-    for (int i = 0; i < VECTORS(group); i++) v[i] = sum[i];
+    for (int i = 0; i < VECTORS(set); i++) v[i] = sum[i];
 }
 
 // D, the derivative of the rotation about y.
@@ -102,24 +101,24 @@ INLINE lanes rotate_pair_series(const struct rsh_pair_lanes *p, const struct rsh
     if (t->method == RSH_METHOD_TAYLOR_2)
         a = lanes_mad(half, pair_derivative(p, a), a);
     else if (t->method == RSH_METHOD_TAYLOR_1_5)
-        a = lanes_mad(half, lanes_mul(v, lanes_load(p->curve)), a);
+        a = lanes_mad(half, lanes_mul(v, lanes_load(p->d2_diagonal)), a);
     return lanes_mad(lanes_splat(t->beta), a, v);
 }
 
-INLINE void rotate_vectors(const struct rsh_rotation *t, const struct spin *spins, int group,
+INLINE void rotate_vectors(const struct rsh_rotation *t, const struct spin *spins, int set,
                            lanes *v) {
-    rotate_pairs_z(&spins[GAMMA], group, v);
+    rotate_pairs_z(&spins[GAMMA], set, v);
     if (t->method == RSH_METHOD_Z) return;
     if (t->method == RSH_METHOD_EXACT) {
-        const struct pair_exchange e = load_exchange(group);
-        swap(&e, group, v);
-        rotate_pairs_z(&spins[BETA], group, v);
-        swap(&e, group, v);
+        const struct pair_exchange e = load_exchange(set);
+        swap(&e, set, v);
+        rotate_pairs_z(&spins[BETA], set, v);
+        swap(&e, set, v);
     } else {
-        for (int i = 0; i < VECTORS(group); i++)
-            v[i] = rotate_pair_series(&rsh_pair_groups[group].lanes[i], t, v[i]);
+        for (int i = 0; i < VECTORS(set); i++)
+            v[i] = rotate_pair_series(&rsh_pair_sets[set].lanes[i], t, v[i]);
     }
-    rotate_pairs_z(&spins[ALPHA], group, v);
+    rotate_pairs_z(&spins[ALPHA], set, v);
 }
 
 // Rotates bands 0 and 1; band 1 is (y, z, x).
@@ -139,20 +138,20 @@ INLINE void rotate_head(const struct rsh_rotation *t, const float *in, float *ou
     out[3] = z_only ? x1 : t->cos_alpha * x2 - t->sin_alpha * y1;
 }
 
-INLINE void rotate_pairs(const struct rsh_rotation *t, int group, int order, int channels,
+INLINE void rotate_pairs(const struct rsh_rotation *t, int set, int order, int channels,
                          const float *in, float *out) {
-    const int n = order * order, count = n - FIRST(group);
-    const struct rsh_pair_group *g = &rsh_pair_groups[group];
+    const int n = order * order, count = n - FIRST(set);
+    const struct rsh_pair_set *g = &rsh_pair_sets[set];
     struct spin spins[ANGLES];
-    multiply(t, group, spins);
+    multiply(t, set, spins);
     for (int c = 0; c < channels; c++, in += n, out += n) {
-        const struct lanes_source source = lanes_source_of(in + FIRST(group), count);
+        const struct lanes_source source = lanes_source_of(in + FIRST(set), count);
         lanes v[MOST_VECTORS];
-        for (int i = 0; i < VECTORS(group); i++)
+        for (int i = 0; i < VECTORS(set); i++)
             v[i] = lanes_gather(source, indices_load(g->lanes[i].index));
-        rotate_vectors(t, spins, group, v);
-        if (group > 0) rotate_head(t, in, out);
-        lanes_scatter(v[0], v[group], g->natural, count, out + FIRST(group));
+        rotate_vectors(t, spins, set, v);
+        if (set > 0) rotate_head(t, in, out);
+        lanes_scatter(v[0], v[set], g->natural, count, out + FIRST(set));
     }
 }
 

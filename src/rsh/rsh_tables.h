@@ -44,7 +44,7 @@ extern const float rsh_mix[2][RSH_MAX_ORDER][RSH_MAX_ORDER][RSH_MAX_ORDER / 2];
 extern const float rsh_slope[RSH_MAX_COEFFICIENTS + 2];
 
 // The diagonal of D^2.
-extern const float rsh_curve[RSH_MAX_COEFFICIENTS];
+extern const float rsh_d2_diagonal[RSH_MAX_COEFFICIENTS];
 
 // The exchange of y and z, a symmetric orthogonal matrix per band, rows and columns m = -l .. l;
 // band l begins at l (2 l - 1) (2 l + 1) / 3. Three of four entries vanish by parity.
@@ -64,7 +64,7 @@ extern const float rsh_ivanic_column[RSH_MAX_COEFFICIENTS];
 
 // Rotation works on 16 lanes at a time: lane |m| of a band, with the coefficients +m and -m in two
 // vectors. The component that is even in x holds +m for even m and -m for odd m; the odd component
-// holds the others. Small bands are in one vector, so order n has the groups {0 1 2 3} {4 5} {6 7}
+// holds the others. Small bands are in one vector, so order n has the sets {0 1 2 3} {4 5} {6 7}
 // {8} {9} ... {15}. Even m are in the lower eight lanes and odd m in the upper eight.
 //
 // About z by a: with s = (-1)^m sin(m a) and c = cos(m a), even' = c even - s odd and odd' = c odd
@@ -78,9 +78,9 @@ extern const float rsh_ivanic_column[RSH_MAX_COEFFICIENTS];
 //
 // About y, D couples |m| with |m| - 1 and |m| + 1, which are in the other half of the other
 // component.
-enum { RSH_LANES = 16, RSH_LANE_GROUPS = 11 };
+enum { RSH_LANES = 16, RSH_LANE_SETS = 11 };
 
-struct rsh_lane_group {
+struct rsh_lane_set {
     // The index of each lane's coefficient, minus `first`; 31 is none. All rows are aligned to
     // cache lines.
     _Alignas(64) int32_t even[RSH_LANES];
@@ -90,12 +90,12 @@ struct rsh_lane_group {
     int32_t source[2][RSH_LANES];    // lane at step 0: outer to inner, inner to outer
     int32_t down[RSH_LANES], up[RSH_LANES];                // lane of |m| - 1 and |m| + 1
     float from_down[2][RSH_LANES], from_up[2][RSH_LANES];  // entries of D, into even and odd
-    float curve[2][RSH_LANES];                             // the diagonal of D^2, even and odd
+    float d2_diagonal[2][RSH_LANES];                       // the diagonal of D^2, even and odd
     int first;                                             // index of its first coefficient
     int steps;                                             // number of steps of the exchange
     int offset;  // index of its first step in rsh_lane_steps
 };
-extern const struct rsh_lane_group rsh_lane_groups[RSH_LANE_GROUPS];
+extern const struct rsh_lane_set rsh_lane_sets[RSH_LANE_SETS];
 
 // One step of the exchange: out[lane] += factor[lane] * in[source[lane] + step], where the source
 // wraps around within its half.
@@ -109,21 +109,21 @@ extern const struct rsh_lane_step rsh_lane_steps[];
 // i + 1 have the coefficients +m and -m of a band; the last lanes have those of m = 0.
 enum { RSH_PAIR_STEPS = 3 };
 struct rsh_pair_lanes {
-    _Alignas(64) int32_t index[RSH_LANES];  // of the coefficient, minus that of the group's first
-    int32_t multiple[3][RSH_LANES];         // index in rsh_pair_multiples: alpha, beta, gamma
+    _Alignas(64) int32_t index[RSH_LANES];      // of the coefficient, minus that of the set's first
+    int32_t multiple[3][RSH_LANES];             // index in rsh_pair_multiples: alpha, beta, gamma
     int32_t source[RSH_PAIR_STEPS][RSH_LANES];  // the exchange of y and z: lanes and factors
     float factor[RSH_PAIR_STEPS][RSH_LANES];
     int32_t down[RSH_LANES], up[RSH_LANES];          // lane of m - 1 and m + 1
     float from_down[RSH_LANES], from_up[RSH_LANES];  // entries of D
-    float curve[RSH_LANES];                          // the diagonal of D^2
+    float d2_diagonal[RSH_LANES];                    // the diagonal of D^2
 };
-struct rsh_pair_group {
+struct rsh_pair_set {
     struct rsh_pair_lanes lanes[2];
-    int32_t natural[2 * RSH_LANES];  // lane of the group's k-th coefficient, + 16 in vector 1
+    int32_t natural[2 * RSH_LANES];  // lane of the set's k-th coefficient, + 16 in vector 1
 };
-// Group 0 is for orders up to 4 and uses vector 0 alone; group 1 is for orders 5 and 6, without
+// Set 0 is for orders up to 4 and uses vector 0 alone; set 1 is for orders 5 and 6, without
 // bands 0 and 1.
-extern const struct rsh_pair_group rsh_pair_groups[2];
+extern const struct rsh_pair_set rsh_pair_sets[2];
 
 // Multiples of three angles alpha, beta, gamma: m = 1 .. 5 of each in turn, then m = 0. With t =
 // cos 2 a,

@@ -19,7 +19,7 @@ PAIR_STEPS = 3
 MIXED = (fractions.Fraction(1, 2), fractions.Fraction(5))
 BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
 # Bands that are in one vector of lanes, see rsh_tables.h.
-GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
+BAND_SETS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
 
 
 def norm(l, m):
@@ -60,7 +60,7 @@ def slope(l, m):
     return math.copysign(math.sqrt((l - m + 1) * (l + m)) / 2, m)
 
 
-def curve(l, m):
+def d2_diagonal(l, m):
     """Entry (m, m) of the second derivative."""
     above = slope(l, m + 1) if m < l else 0.0
     return -(slope(l, m) ** 2 + above**2)
@@ -111,21 +111,21 @@ def swap(l, a, b):
     return total * (-1) ** (l + b)
 
 
-def slots(group):
+def slots(bands):
     """The first lane of each band, the same in both halves."""
     result, lane = {}, 0
-    for l in group:
+    for l in bands:
         result[l] = lane
         lane += l // 2 + 1
     assert lane <= LANES // 2
     return result
 
 
-def layout(group, inner):
+def layout(bands, inner):
     """(l, m) per lane, or None. Even m fill the lower half and odd m the upper; the inner layout
     exchanges the halves of odd l."""
-    lanes, first = [None] * LANES, slots(group)
-    for l in group:
+    lanes, first = [None] * LANES, slots(bands)
+    for l in bands:
         for m in range(l + 1):
             upper = (m + (l if inner else 0)) % 2
             lanes[8 * upper + first[l] + m // 2] = (l, m)
@@ -143,8 +143,8 @@ def member(l, m, odd_part):
     return m if m % 2 == odd_part else -m
 
 
-def steps(group):
-    return max(group) // 2 + 1
+def steps(bands):
+    return max(bands) // 2 + 1
 
 
 class Writer:
@@ -175,7 +175,7 @@ def plain_tables(w):
     flat = [(l, m) for l in range(ORDER) for m in range(-l, l + 1)]
     w.array("float", "rsh_slope[RSH_MAX_COEFFICIENTS + 2]",
             [slope(l, m) for l, m in flat] + [0.0, 0.0])
-    w.array("float", "rsh_curve[RSH_MAX_COEFFICIENTS]", [curve(l, m) for l, m in flat])
+    w.array("float", "rsh_d2_diagonal[RSH_MAX_COEFFICIENTS]", [d2_diagonal(l, m) for l, m in flat])
     w.array("float", "rsh_swap[]", [swap(l, a, b) for l in range(ORDER)
                                     for a in range(-l, l + 1) for b in range(-l, l + 1)])
     quarter_tables(w, flat)
@@ -300,11 +300,11 @@ def ivanic_tables(w, flat):
 
 
 def lane_tables(w):
-    """The tables of struct rsh_lane_group, and the steps of all groups."""
+    """The tables of struct rsh_lane_set, and the steps of all sets."""
     rows, exchange = [], []
-    for group in GROUPS:
-        outer, inner = layout(group, False), layout(group, True)
-        first, last = group[0] ** 2, (group[-1] + 1) ** 2
+    for bands in BAND_SETS:
+        outer, inner = layout(bands, False), layout(bands, True)
+        first, last = bands[0] ** 2, (bands[-1] + 1) ** 2
         where = {None: 0}
         where.update({lm: i for i, lm in enumerate(outer) if lm})
         parts = []
@@ -320,7 +320,7 @@ def lane_tables(w):
             natural.append(where[(l, abs(m))] + LANES * odd if k < last else 0)
         powers = [[lm[1] // 2 + 8 * (lm[1] % 2) if lm else 0 for lm in lanes]
                   for lanes in (outer, inner)]
-        first_lane = slots(group)
+        first_lane = slots(bands)
         sources = [[(first_lane[lm[0]] if lm else 0) + (i & 8) for i, lm in enumerate(target)]
                    for target in (inner, outer)]
         neighbours = [[where.get((lm[0], lm[1] + d), 0) if lm else 0 for lm in outer]
@@ -329,14 +329,14 @@ def lane_tables(w):
         texts += [pair([braces("%d", r) for r in rs]) for rs in (powers, sources)]
         texts += [braces("%d", r) for r in neighbours]
         texts += [pair([braces("%.9ef", series_factors(outer, part, kind)) for part in (0, 1)])
-                  for kind in ("down", "up", "curve")]
-        rows.append("    {%s,\n     %d, %d, %d}," % (",\n     ".join(texts), first, steps(group),
+                  for kind in ("down", "up", "d2_diagonal")]
+        rows.append("    {%s,\n     %d, %d, %d}," % (",\n     ".join(texts), first, steps(bands),
                                                   len(exchange)))
-        for t in range(steps(group)):
-            exchange.append([exchange_factors(group, source, target, part, t)
+        for t in range(steps(bands)):
+            exchange.append([exchange_factors(bands, source, target, part, t)
                              for source, target in ((outer, inner), (inner, outer))
                              for part in (0, 1)])
-    w.lines.append("const struct rsh_lane_group rsh_lane_groups[RSH_LANE_GROUPS] = {")
+    w.lines.append("const struct rsh_lane_set rsh_lane_sets[RSH_LANE_SETS] = {")
     w.lines += rows + ["};", "const struct rsh_lane_step rsh_lane_steps[] = {"]
     for factors in exchange:
         texts = [braces("%.9ef", r) for r in factors]
@@ -375,7 +375,7 @@ def pair_vector(bands, first):
     texts += [braces("%d", [where.get((l, m + d), 0) for l, m in lanes]) for d in (-1, 1)]
     texts.append(braces("%.9ef", [slope(l, m) for l, m in lanes]))
     texts.append(braces("%.9ef", [-slope(l, m + 1) if m < l else 0.0 for l, m in lanes]))
-    texts.append(braces("%.9ef", [curve(l, m) for l, m in lanes]))
+    texts.append(braces("%.9ef", [d2_diagonal(l, m) for l, m in lanes]))
     return braces("%s", texts), lanes
 
 
@@ -390,7 +390,7 @@ def pair_tables(w):
             for i, lm in enumerate(lanes):
                 natural[index(*lm) - first] = i + LANES * v
         rows.append(braces("%s", [pair(texts), braces("%d", natural)]))
-    w.lines.append("const struct rsh_pair_group rsh_pair_groups[2] = %s;" % pair(rows))
+    w.lines.append("const struct rsh_pair_set rsh_pair_sets[2] = %s;" % pair(rows))
     ms = [1, 2, 3, 4, 5] * 3 + [0]
     texts = [pair([braces("%.1ff", [multiple(m, sine)[power] for m in ms]) for power in range(3)])
              for sine in (False, True)]
@@ -408,17 +408,17 @@ def series_factors(outer, part, kind):
         l = lm[0]
         below = slope(l, m)                                    # of m - 1
         above = -slope(l, m + 1) if m < l else 0.0             # of m + 1
-        if kind == "curve":
+        if kind == "d2_diagonal":
             factors.append(-(below**2 + above**2))
         else:
             factors.append(below if (kind == "down") == (m >= 0) else above)
     return factors
 
 
-def exchange_factors(group, source, target, part, t):
+def exchange_factors(bands, source, target, part, t):
     """Factors of step t of one exchange of one part. Step t takes the t-th lane of the band in the
     half that feeds it: its own half for the even part, the other for the odd part."""
-    factors, first = [], slots(group)
+    factors, first = [], slots(bands)
     for i, lm in enumerate(target):
         lane = ((i & 8) ^ (8 * part)) + (first[lm[0]] + t if lm else 0)
         feed = source[lane] if lm and t <= lm[0] // 2 else None

@@ -14,8 +14,8 @@ struct camera_look {
     float first, last;  // least and largest depth of the hits, measured as for the clip planes
 };
 
-static struct camera_look probe_scene(const struct satin_scene *scene,
-                                      const struct camera *camera) {
+static struct camera_look trace_eye_rays(const struct satin_scene *scene,
+                                         const struct camera *camera) {
     const struct scene_film *film = &scene->film;
     struct camera_look out = {.first = INFINITY};
     for (uint32_t i = 0; i < RAYS && !out.seen; i++) {
@@ -66,7 +66,7 @@ bool scene_camera_check(const struct satin_scene *scene, const struct camera *ca
                         struct log log) {
     const bool warned = check_shapes(scene, log);
     if (scene->shape_count == 0) return warned;
-    const struct camera_look l = probe_scene(scene, camera);
+    const struct camera_look l = trace_eye_rays(scene, camera);
     if (l.seen) return warned;
     if (l.there > 0 && l.first >= camera->far_clip)
         log_message(log, SATIN_LOG_WARNING,

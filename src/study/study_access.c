@@ -11,10 +11,10 @@ struct study_render *study_plan_image(const struct study_plan *plan, size_t scen
     return &plan->render[plan->image[(scene * s->points + point) * s->seeds + seed]];
 }
 
-struct study_render *study_plan_view(const struct study_plan *plan, size_t scene, size_t point,
-                                     size_t seed) {
+struct study_render *study_plan_first_pass(const struct study_plan *plan, size_t scene,
+                                           size_t point, size_t seed) {
     const struct study *s = &plan->study;
-    const size_t at = plan->view[(scene * s->points + point) * s->seeds + seed];
+    const size_t at = plan->first_pass[(scene * s->points + point) * s->seeds + seed];
     return at == STUDY_NONE ? NULL : &plan->render[at];
 }
 

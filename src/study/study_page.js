@@ -489,14 +489,14 @@
     if (choice === "reference") return { image: scene.reference, difference: null };
     const p = scene.points[Number(choice.replace(/\D+/, ""))];
     if (choice.startsWith("image")) return { image: p.image, difference: p.difference };
-    const from = p.view_of === undefined ? p : scene.points[p.view_of];
-    return { image: from.view, difference: from.view_difference };
+    const from = p.first_pass_of === undefined ? p : scene.points[p.first_pass_of];
+    return { image: from.first_pass, difference: from.first_pass_difference };
   }
 
   function fillPickers() {
     const options = [["reference", "reference"]];
     pictures[state.scene].points.forEach((p, i) => { if (p.image) options.push(["image" + i, results.points[i].label]); });
-    pictures[state.scene].points.forEach((p, i) => { if (p.view) options.push(["view" + i, "first pass of " + results.points[i].label]); });
+    pictures[state.scene].points.forEach((p, i) => { if (p.first_pass) options.push(["first_pass" + i, "first pass of " + results.points[i].label]); });
     for (const side of ["left", "right"]) {
       byId(side).replaceChildren(...options.map(([value, text]) => element("option", text, { value })));
       if (!options.some(([value]) => value === state[side])) state[side] = options[Math.min(side === "left" ? 0 : 1, options.length - 1)][0];

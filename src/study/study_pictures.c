@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures of a study's page, as PNG in data URIs: the reference of each scene, and of each point
-// the image of the first seed, the direct view of its first pass, and the difference from the
+// the image of the first seed, that of its first pass, and the difference from the
 // reference. All pictures of a scene have the exposure of its reference. A difference is a grey
 // picture of (Y - Y_r) / sqrt(Y_r^2 + 0.01), which the page colours: with d of [-1, 1], the grey is
 // 128 + 127 sign(d) sqrt(|d|).
@@ -117,11 +117,11 @@ static satin_status add_pair(struct pictures *p, const struct study_render *rend
     return status;
 }
 
-// The first point before `point` that has the same view of its first pass, or `point`.
-static size_t first_with_view(const struct study_plan *plan, size_t scene, size_t point) {
-    const struct study_render *view = study_plan_view(plan, scene, point, 0);
-    for (size_t i = 0; view && i < point; i++)
-        if (study_plan_view(plan, scene, i, 0) == view) return i;
+// The first point before `point` that has the same image of its first pass, or `point`.
+static size_t first_with_first_pass(const struct study_plan *plan, size_t scene, size_t point) {
+    const struct study_render *first_pass = study_plan_first_pass(plan, scene, point, 0);
+    for (size_t i = 0; first_pass && i < point; i++)
+        if (study_plan_first_pass(plan, scene, i, 0) == first_pass) return i;
     return point;
 }
 
@@ -130,12 +130,13 @@ static satin_status add_point_pictures(struct pictures *p, size_t scene, size_t 
     study_text_add(p->out, "%s\n{", point ? "," : "");
     satin_status status =
         add_pair(p, study_plan_image(plan, scene, point, 0), "image", "difference");
-    const size_t first = first_with_view(plan, scene, point);
+    const size_t first = first_with_first_pass(plan, scene, point);
     study_text_add(p->out, ", ");
     if (status == SATIN_OK && first == point)
-        status = add_pair(p, study_plan_view(plan, scene, point, 0), "view", "view_difference");
+        status = add_pair(p, study_plan_first_pass(plan, scene, point, 0), "first_pass",
+                          "first_pass_difference");
     else
-        study_text_add(p->out, "\"view_of\": %zu", first);
+        study_text_add(p->out, "\"first_pass_of\": %zu", first);
     study_text_add(p->out, "}");
     return status;
 }

@@ -206,7 +206,7 @@ static satin_status plan_reference(struct planner *p, size_t *out) {
 // The integrator that shows the first pass of such a render directly, or NULL. The photon map of a
 // time limit depends on the whole render, and the paths of gather rays have no picture of their
 // own.
-static const char *view_integrator(const satin_options *options) {
+static const char *first_pass_integrator(const satin_options *options) {
     if (options->integrator != SATIN_TWO_PASS || options->time > 0.0) return NULL;
     if (options->first_pass == SATIN_FIRST_NONE) return "direct";
     const bool photons = options->first_pass == SATIN_FIRST_PRECOMPUTED ||
@@ -214,10 +214,10 @@ static const char *view_integrator(const satin_options *options) {
     return photons ? "photons" : NULL;
 }
 
-// A direct view of the first pass. Options of the second pass are left out, so that points which
-// differ in these alone have one view.
-static satin_status plan_view(struct planner *p, const struct study_point *point, uint64_t seed,
-                              size_t *out) {
+// An image of the first pass. Options of the second pass are left out, so that points which
+// differ in these alone have one image of it.
+static satin_status plan_first_pass(struct planner *p, const struct study_point *point,
+                                    uint64_t seed, size_t *out) {
     static const char *const without[] = {"integrator",        "first-pass",
                                           "denoise",           "adaptive-cache",
                                           "origin-shift",      "record-max-radius",
@@ -233,13 +233,13 @@ static satin_status plan_view(struct planner *p, const struct study_point *point
     combine(&whole, &point->set, NULL, NULL);
     const satin_status status = resolve_settings(p, &whole, &options);
     if (status != SATIN_OK) return status;
-    const char *integrator = s->first_pass_view ? view_integrator(&options) : NULL;
+    const char *integrator = s->first_pass_view ? first_pass_integrator(&options) : NULL;
     *out = STUDY_NONE;
     if (!integrator) return SATIN_OK;
     combine_one(&set, "integrator", integrator);
     combine(&set, &s->set, without, prefix);
     combine(&set, &point->set, without, prefix);
-    return plan_render(p, STUDY_VIEW, &set, seed, out);
+    return plan_render(p, STUDY_FIRST_PASS, &set, seed, out);
 }
 
 static satin_status plan_image(struct planner *p, const struct study_point *point, uint64_t seed,
@@ -413,7 +413,7 @@ static satin_status plan_scene(struct planner *p) {
             if (status == SATIN_OK)
                 status = plan_image(p, &s->point[i], s->seed[k], &plan->image[at]);
             if (status == SATIN_OK)
-                status = plan_view(p, &s->point[i], s->seed[k], &plan->view[at]);
+                status = plan_first_pass(p, &s->point[i], s->seed[k], &plan->first_pass[at]);
         }
     return status;
 }
@@ -427,8 +427,8 @@ static satin_status plan_all(struct planner *p) {
     const size_t pieces = s->scenes * s->reference_pieces;
     plan->reference = arena_array(&s->arena, pieces, sizeof *plan->reference);
     plan->image = arena_array(&s->arena, images, sizeof *plan->image);
-    plan->view = arena_array(&s->arena, images, sizeof *plan->view);
-    if (!plan->reference || !plan->image || !plan->view) return fail_memory(p->log);
+    plan->first_pass = arena_array(&s->arena, images, sizeof *plan->first_pass);
+    if (!plan->reference || !plan->image || !plan->first_pass) return fail_memory(p->log);
     for (size_t i = s->scenes; i-- > 0 && status == SATIN_OK;) {
         // The last scene is still loaded.
         if (p->at != i) status = read_scene(p, i);

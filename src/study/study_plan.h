@@ -9,7 +9,7 @@
 enum study_what {
     STUDY_REFERENCE,  // a piece of a scene's reference
     STUDY_IMAGE,      // of a point
-    STUDY_VIEW        // a direct view of a point's first pass
+    STUDY_FIRST_PASS  // the image of a point's first pass
 };
 
 // The stages of a render whose seconds are reported: loading the scene, the stages that the
@@ -50,9 +50,9 @@ struct study_plan {
     uint64_t program_hash;
     struct study_render *render;
     size_t renders, render_capacity;
-    size_t *reference;  // [scene][piece]: index of a render
-    size_t *image;      // [scene][point][seed]
-    size_t *view;       // [scene][point][seed]; STUDY_NONE if the first pass cannot be shown
+    size_t *reference;   // [scene][piece]: index of a render
+    size_t *image;       // [scene][point][seed]
+    size_t *first_pass;  // [scene][point][seed]; STUDY_NONE if the first pass cannot be shown
 };
 #define STUDY_NONE ((size_t)-1)
 
@@ -66,12 +66,12 @@ void study_plan_free(struct study_plan *plan);
 
 // ---- study_access.c
 
-// The renders of the point's seed `seed`, counted from 0: its image and the view of its first pass,
+// The renders of the point's seed `seed`, counted from 0: its image and that of its first pass,
 // which may be NULL.
 struct study_render *study_plan_image(const struct study_plan *plan, size_t scene, size_t point,
                                       size_t seed);
-struct study_render *study_plan_view(const struct study_plan *plan, size_t scene, size_t point,
-                                     size_t seed);
+struct study_render *study_plan_first_pass(const struct study_plan *plan, size_t scene,
+                                           size_t point, size_t seed);
 // A command line that repeats a render, for a shell. From malloc; NULL if there is no memory.
 char *study_command(const struct study_render *render);
 // A point as text: its name, or the labels of what varies. From malloc, as above.

@@ -58,20 +58,21 @@ static bool has_image(const struct study_render *render) {
            render->result.signal == 0;
 }
 
-// Errors of a point's images, or of the views of its first pass: over all seeds, and of each.
+// Errors of a point's images, or of those of its first pass: over all seeds, and of each.
 static satin_status compare_point(const struct study_report *report,
                                   const struct study_reference *reference, size_t scene,
-                                  size_t point, bool view, struct study_errors *out,
+                                  size_t point, bool first_pass, struct study_errors *out,
                                   struct study_row *row) {
     const struct study *s = &report->plan->study;
     satin_film **image = array_new(s->seeds, sizeof *image);
     satin_status status = image ? SATIN_OK : SATIN_ERROR_MEMORY;
     size_t count = 0;
     for (size_t k = 0; k < s->seeds && status == SATIN_OK; k++) {
-        const struct study_render *render = view ? study_plan_view(report->plan, scene, point, k)
-                                                 : study_plan_image(report->plan, scene, point, k);
-        double *relmse = view ? &row[k].view_relmse : &row[k].relmse;
-        double *mean_ratio = view ? &row[k].view_mean_ratio : &row[k].mean_ratio;
+        const struct study_render *render =
+            first_pass ? study_plan_first_pass(report->plan, scene, point, k)
+                       : study_plan_image(report->plan, scene, point, k);
+        double *relmse = first_pass ? &row[k].first_pass_relmse : &row[k].relmse;
+        double *mean_ratio = first_pass ? &row[k].first_pass_mean_ratio : &row[k].mean_ratio;
         struct film_difference difference;
         *relmse = *mean_ratio = (double)NAN;
         if (!has_image(render)) continue;
@@ -98,7 +99,8 @@ static satin_status compare_scene(struct study_report *report, size_t scene) {
         struct study_found *found = &report->found[scene * s->points + p];
         status = compare_point(report, &reference, scene, p, false, &found->image, found->row);
         if (status == SATIN_OK)
-            status = compare_point(report, &reference, scene, p, true, &found->view, found->row);
+            status =
+                compare_point(report, &reference, scene, p, true, &found->first_pass, found->row);
     }
     study_reference_free(&reference);
     return status;

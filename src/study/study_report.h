@@ -8,13 +8,13 @@
 
 // One render of a point: a row of the table.
 struct study_row {
-    double relmse, mean_ratio;            // NAN if there is no image
-    double view_relmse, view_mean_ratio;  // of the direct view of the first pass, or NAN
+    double relmse, mean_ratio;                        // NAN if there is no image
+    double first_pass_relmse, first_pass_mean_ratio;  // of the image of the first pass, or NAN
 };
 
 // What was found of one point in one scene.
 struct study_found {
-    struct study_errors image, view;
+    struct study_errors image, first_pass;
     struct study_row *row;  // of each seed
 };
 
@@ -50,7 +50,7 @@ satin_status study_page_write(const struct study_report *report, const char *jso
 // ---- Pictures (study_pictures.c) ----------------------------------------------------------------
 
 // Appends a JSON object with a picture of every point's first seed in every scene, of its
-// difference from the reference, of the reference, and of the first pass's direct view.
+// difference from the reference, of the reference, and of the image of the first pass.
 satin_status study_pictures_add(const struct study_report *report, struct study_text *out);
 
 #endif

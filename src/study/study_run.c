@@ -130,19 +130,20 @@ static satin_status run_references(struct running *r) {
 static satin_status run_point(struct running *r, size_t scene, size_t point, size_t seed) {
     const struct study *s = &r->plan->study;
     char *label = study_point_label(s, &s->point[point]);
-    struct study_text text = {0}, view_text = {0};
-    struct study_render *view = study_plan_view(r->plan, scene, point, seed);
+    struct study_text text = {0}, first_pass_text = {0};
+    struct study_render *first_pass = study_plan_first_pass(r->plan, scene, point, seed);
     satin_status status = SATIN_ERROR_MEMORY;
     study_text_add(&text, "%s, %s, seed %llu", s->scene[scene].name, label ? label : "",
                    (unsigned long long)s->seed[seed]);
-    study_text_add(&view_text, "%s, view of the first pass", text.data ? text.data : "");
-    if (label && !text.failed && !view_text.failed) {
+    study_text_add(&first_pass_text, "%s, first pass", text.data ? text.data : "");
+    if (label && !text.failed && !first_pass_text.failed) {
         status = run_render(r, study_plan_image(r->plan, scene, point, seed), text.data);
-        if (status == SATIN_OK && view) status = run_render(r, view, view_text.data);
+        if (status == SATIN_OK && first_pass)
+            status = run_render(r, first_pass, first_pass_text.data);
     }
     free(label);
     free(text.data);
-    free(view_text.data);
+    free(first_pass_text.data);
     return status;
 }
 

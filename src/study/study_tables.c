@@ -45,11 +45,16 @@ static void csv_row(const struct study_report *report, size_t scene, size_t poin
     const struct study_row *row = &found->row[seed];
     const struct study_render *render = find_render(report, scene, point, seed);
     const struct study_result *result = &render->result;
-    const double errors[] = {row->relmse,           row->mean_ratio,
-                             found->image.bias2,    found->image.bias2_error,
-                             found->image.variance, row->view_relmse,
-                             row->view_mean_ratio,  found->view.bias2,
-                             found->view.variance,  report->reference_noise[scene]};
+    const double errors[] = {row->relmse,
+                             row->mean_ratio,
+                             found->image.bias2,
+                             found->image.bias2_error,
+                             found->image.variance,
+                             row->first_pass_relmse,
+                             row->first_pass_mean_ratio,
+                             found->first_pass.bias2,
+                             found->first_pass.variance,
+                             report->reference_noise[scene]};
     const double counts[] = {if_positive(result->spp), if_positive(result->photons),
                              if_positive(result->records), if_positive(result->threads)};
     const double times[] = {if_positive(result->wall_s), if_positive(result->cpu_s)};
@@ -121,7 +126,7 @@ static void json_run(const struct study_report *report, size_t scene, size_t poi
                    result->done ? "true" : "false", result->status, result->signal);
     json_member(out, "relmse", row->relmse);
     json_member(out, "mean_ratio", row->mean_ratio);
-    json_member(out, "first_pass_relmse", row->view_relmse);
+    json_member(out, "first_pass_relmse", row->first_pass_relmse);
     json_member(out, "seconds", if_positive(result->wall_s));
     json_member(out, "cpu_seconds", if_positive(result->cpu_s));
     json_member(out, "memory_bytes", if_positive(result->peak_bytes));
@@ -150,7 +155,7 @@ static void json_point(const struct study_report *report, size_t scene, size_t p
     study_text_add(out, "    {\"scene\": %zu, \"point\": %zu, ", scene, point);
     json_errors(out, "image", &found->image);
     study_text_add(out, ", ");
-    json_errors(out, "first_pass", &found->view);
+    json_errors(out, "first_pass", &found->first_pass);
     study_text_add(out, ",\n     \"runs\": [");
     for (size_t k = 0; k < s->seeds; k++) {
         study_text_add(out, k ? ",\n       " : "");

@@ -32,7 +32,7 @@ AIM_FUNCTION, MAX_FUNCTION = 60, 80
 MAX_ARGUMENTS = 7
 MANY_ARGUMENTS = set("""
     accumulate_columns align convert_rows eval_column mix_set plain_project rotate_bands
-    rotate_batch_channels rotate_group rsh_align rsh_align_many rsh_align_transposed
+    rotate_batch_channels rotate_set rsh_align rsh_align_many rsh_align_transposed
     rsh_align_transposed_many rsh_project
 """.split())
 FOLDERS = ["src", "include", "data", "tests", "bench", "docs"]

@@ -136,7 +136,7 @@ static void loading_returns_what_was_saved(void **state) {
     struct cache_summary summary = cache_file_summary(file);
     assert_int_equal(summary.irradiance, RECORDS);
     assert_int_equal(summary.radiance, RECORDS);
-    assert_true(summary.order == ORDER && summary.rays == 1234 && summary.provenance.view == 77);
+    assert_true(summary.order == ORDER && summary.rays == 1234 && summary.provenance.image == 77);
     assert_string_equal(summary.provenance.options, provenance.options);
     assert_int_equal(cache_file_check(file, &provenance, "f", (struct log){0}), SATIN_OK);
     assert_int_equal(cache_load(&b.cache, file, "f", (struct log){0}), SATIN_OK);
@@ -289,7 +289,7 @@ static void records_of_other_provenance_are_refused(void **state) {
     assert_int_equal(cache_file_check(file, &other, "f", (struct log){keep, &seen}),
                      SATIN_ERROR_INPUT);
     other = provenance;
-    other.view = 0;  // another view has the same provenance
+    other.image = 0;  // another image has the same provenance
     assert_int_equal(cache_file_check(file, &other, "f", (struct log){0}), SATIN_OK);
     assert_int_equal(cache_load(&g.cache, file, "f", (struct log){keep, &seen}), SATIN_ERROR_INPUT);
     assert_int_equal(seen.count, 3);

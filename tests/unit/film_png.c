@@ -83,7 +83,7 @@ static void picture_bytes(const struct satin_film *film, const satin_tonemap *to
     unlink("tone.png");
 }
 
-static void exposure_and_curve_change_the_tones(void **state) {
+static void exposure_and_tonemap_change_the_tones(void **state) {
     (void)state;
     const char *const names[] = {"R", "G", "B", "lamp.R", "lamp.G", "lamp.B"};
     struct satin_film *film = film_new(4, 1, names, 6);
@@ -101,9 +101,9 @@ static void exposure_and_curve_change_the_tones(void **state) {
     picture_bytes(film, &(satin_tonemap){.layer = "lamp", .auto_exposure = true}, at);
     assert_true(at[0] == 85 && at[1] == 162);
     // 0.18 (2.51 0.18 + 0.03) / (0.18 (2.43 0.18 + 0.59) + 0.14) = 0.267
-    picture_bytes(film, &(satin_tonemap){.exposure = 1.0f, .curve = SATIN_TONE_FILMIC}, at);
+    picture_bytes(film, &(satin_tonemap){.exposure = 1.0f, .tone = SATIN_TONE_FILMIC}, at);
     assert_true(at[0] == 141 && at[2] == 0 && at[3] == 0);
-    picture_bytes(film, &(satin_tonemap){.exposure = 90.0f, .curve = SATIN_TONE_FILMIC}, at);
+    picture_bytes(film, &(satin_tonemap){.exposure = 90.0f, .tone = SATIN_TONE_FILMIC}, at);
     assert_true(at[0] == 255 && at[1] == 255 && at[2] == 0);
     const satin_tonemap wrong[2] = {{.layer = "amp"}, {.exposure = INFINITY}};
     for (int i = 0; i < 2; i++)
@@ -126,7 +126,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_have_the_known_bytes),
         cmocka_unit_test(alpha_is_straight),
-        cmocka_unit_test(exposure_and_curve_change_the_tones),
+        cmocka_unit_test(exposure_and_tonemap_change_the_tones),
         cmocka_unit_test(a_png_needs_the_beauty),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves through keyframes. Single values follow a monotone cubic [Fritsch and Butland 1984].
+// Splines through keyframes. Single values follow a monotone cubic [Fritsch and Butland 1984].
 // Points follow a centripetal Catmull-Rom spline, which has neither cusps nor loops between two
 // keyframes [Yuksel et al. 2011]: its knots are apart by the square roots of the distances of the
 // points. How far the camera is along the knots at a frame is a monotone cubic again, so that its
@@ -32,7 +32,7 @@ static double secant(const double *at, const double *value, size_t i) {
     return (value[i + 1] - value[i]) / (at[i + 1] - at[i]);
 }
 
-// The slope of a monotone curve at point i: a weighted harmonic mean of the secants beside it.
+// The slope of a monotone spline at point i: a weighted harmonic mean of the secants beside it.
 static double monotone_slope(size_t count, const double *at, const double *value, size_t i) {
     if (i == 0) return secant(at, value, 0);
     if (i + 1 == count) return secant(at, value, i - 1);

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Error against time: time limits that double, and the presets, which should lie on their curve.
+"""Error against time: time limits that double, and the presets, which should lie on their line.
 
-  bench/curve.py DIR [SCENE ...] [--seeds N] [--limits S S ...] [--picture FILE.png]
+  bench/error_by_time.py DIR [SCENE ...] [--seeds N] [--limits S S ...] [--picture FILE.png]
 
 DIR has references that `bench/quality.py references DIR SCENE ...` made, of the size that --extra
 asks for here too. Prints a table in Markdown: for each scene and run the mean relMSE over the
 seeds, its standard error, wall and processor seconds, and for a preset its error over that of the
-curve at as many wall seconds. The exit status is 1 if an error rises from one limit to the next by
-more than three standard errors. Needs a machine that does nothing else, or --cpu; a picture needs
-matplotlib.
+limits, interpolated, at as many wall seconds. The exit status is 1 if an error rises from one limit
+to the next by more than three standard errors. Needs a machine that does nothing else, or --cpu; a
+picture needs matplotlib.
 """
 import math
 import resource
@@ -27,7 +27,7 @@ def measure(options, scene, args):
     errors, walls, cpus = [], [], []
     for seed in range(options.seeds):
         before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-        image, _ = runs.render(options, runs.scene_file(scene), "curve-" + scene, *args, "--seed",
+        image, _ = runs.render(options, runs.scene_file(scene), "limit-" + scene, *args, "--seed",
                                str(seed))
         walls.append(time.monotonic() - start)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -38,7 +38,7 @@ def measure(options, scene, args):
             "wall": statistics.mean(cpus if options.cpu else walls), "cpu": statistics.mean(cpus)}
 
 
-def curve_at(rows, wall):
+def error_at(rows, wall):
     """The error at so many seconds, linear between logarithms, and extrapolated beyond the ends."""
     points = [(math.log(r["wall"]), math.log(r["error"])) for r in rows]
     i = max([k for k in range(len(points) - 1) if points[k][0] <= math.log(wall)], default=0)
@@ -60,7 +60,7 @@ def measure_scene(options, scene):
     presets = []
     for quality in QUALITIES:
         presets.append(measure(options, scene, ["--quality", quality]))
-        ratio = presets[-1]["error"] / curve_at(limits, presets[-1]["wall"])
+        ratio = presets[-1]["error"] / error_at(limits, presets[-1]["wall"])
         show(scene, presets[-1], "%.2f" % ratio)
     rises = [b["run"] for a, b in zip(limits, limits[1:])
              if b["error"] > a["error"] + 3.0 * math.hypot(a["spread"], b["spread"])]
@@ -91,9 +91,9 @@ def main():
     parser.add_argument("scene", nargs="*", default=SCENES)
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--limits", type=float, nargs="+", default=[2, 4, 8, 16, 32, 60])
-    parser.add_argument("--picture", help="draw the curves to this PNG")
+    parser.add_argument("--picture", help="draw the lines to this PNG")
     options = parser.parse_intermixed_args()
-    print("| scene | run | relMSE x 10^4 | s | CPU s | over the curve |\n|---|---|---|---|---|---|")
+    print("| scene | run | relMSE x 10^4 | s | CPU s | over limits |\n|---|---|---|---|---|---|")
     found = {scene: measure_scene(options, scene) for scene in options.scene}
     if options.picture:
         draw(found, options.picture)
