@@ -374,6 +374,11 @@ bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
 // are not moved.
 vec3 scene_origin_shift(const struct satin_scene *scene, const struct interaction *s, float margin);
 
+// The angle by which the normal rotates per length along the surface at s, where that is largest [1
+// / length]; 0: a plane. Of curves, the rate around the tube where the segment begins. An instance
+// counts with the mean of its scales. INFINITY where points with different normals coincide.
+float scene_curvature(const struct satin_scene *scene, const struct interaction *s);
+
 // A ray that leaves a surface point in direction d. Its origin is moved off the surface, to the
 // side of d, by a bound of the rounding error there, so that it does not hit the surface that it
 // leaves.

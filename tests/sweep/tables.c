@@ -22,8 +22,8 @@ struct stored_table {
     struct stored_table *next;
 };
 
-static struct stored_table
-    *stored;  // of this process; its renders have one thread, which builds them
+// This process renders on one thread, which builds them.
+static struct stored_table *table_stored;
 
 // Compares bytes: padding that differs costs time, and no more.
 static bool same_table(const struct stored_table *k, const struct brdf *b,
@@ -35,7 +35,7 @@ static bool same_table(const struct stored_table *k, const struct brdf *b,
 
 satin_status __wrap_brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
                                      struct parallel *pool, struct brdf_table **out) {
-    for (const struct stored_table *k = stored; k; k = k->next) {
+    for (const struct stored_table *k = table_stored; k; k = k->next) {
         if (!same_table(k, b, fit)) continue;
         *out = k->table;
         return SATIN_OK;
@@ -49,8 +49,8 @@ satin_status __wrap_brdf_table_build(const struct brdf *b, const struct brdf_fit
     }
     memcpy(&k->brdf, b, sizeof *b);
     k->fit = *fit;
-    k->next = stored;
-    stored = k;
+    k->next = table_stored;
+    table_stored = k;
     *out = k->table;
     return SATIN_OK;
 }
