@@ -15,6 +15,12 @@ static inline float sample_stratum(int j, float u, int n) {
     return minf(((float)j + u) / (float)n, 0x1.fffffep-1f);
 }
 
+// For u in [p, 1), where p < 1 is the probability of the other choice: u rescaled to [0, 1), and
+// never 1, to which the quotient would round once in some ten million samples.
+static inline float sample_rest(float u, float p) {
+    return minf((u - p) / (1.0f - p), 0x1.fffffep-1f);
+}
+
 // Density cos(theta) / pi.
 static inline vec3 sample_cosine_hemisphere(float u, float v) {
     float r = sqrtf(u), phi = 2.0f * PI_F * v;

@@ -138,7 +138,7 @@ static float draw_both(const struct choices *at, float guided, const struct shad
         out->wi = frame_to_local(&y->frame, guide_cone_sample(&at->cone[own], u));
         out->lobe = lobes;
         if (!(out->wi.z * y->wo_l.z > 0.0f)) return 0.0f;
-    } else if (!brdf_sample_wi(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u, lobes,
+    } else if (!brdf_sample_wi(&y->brdf, y->wo_l, sample_rest(u_lobe, guided), u, lobes,
                                BRDF_RADIANCE, out)) {
         return 0.0f;
     }

@@ -224,7 +224,7 @@ static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
 // Whether u < probability. In both cases u is then rescaled to [0, 1).
 static bool choose_with(float probability, float *u) {
     const bool yes = *u < probability;
-    *u = yes ? *u / probability : fminf((*u - probability) / (1.0f - probability), 0x1.fffffep-1f);
+    *u = yes ? *u / probability : sample_rest(*u, probability);
     return yes;
 }
 

@@ -52,6 +52,20 @@ static void strata_end_below_one(void **state) {
     assert_true(sample_stratum(0, 0.0f, 7) == 0.0f && sample_stratum(3, 0.25f, 4) == 0.8125f);
 }
 
+// So is what is left of a number after a choice, which selects a lobe that may not exist.
+static void rests_end_below_one(void **state) {
+    (void)state;
+    const float last = 0x1.fffffep-1f;
+    int rounded = 0;
+    for (int i = 0; i < 5000; i++) {
+        const float p = (float)i / 5000.0f, u = sample_rest(last, p);
+        assert_true(u > 0.99f && u < 1.0f && sample_rest(p, p) == 0.0f);
+        rounded += (last - p) / (1.0f - p) >= 1.0f;
+    }
+    assert_true(rounded > 100);
+    assert_true(sample_rest(0.25f, 0.0f) == 0.25f && sample_rest(0.75f, 0.5f) == 0.5f);
+}
+
 // The border of a cone is at the sine of its half angle, even where the cosine rounds to 1.
 static void narrow_cones_keep_their_width(void **state) {
     (void)state;
@@ -143,13 +157,10 @@ static void cuts_change_no_sample(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_disk_map_is_inverted),
-        cmocka_unit_test(strata_end_below_one),
-        cmocka_unit_test(narrow_cones_keep_their_width),
-        cmocka_unit_test(sobol_is_a_net),
-        cmocka_unit_test(sobol4_is_a_net),
-        cmocka_unit_test(cdf_never_draws_zero),
-        cmocka_unit_test(cuts_change_no_sample),
+        cmocka_unit_test(the_disk_map_is_inverted), cmocka_unit_test(strata_end_below_one),
+        cmocka_unit_test(rests_end_below_one),      cmocka_unit_test(narrow_cones_keep_their_width),
+        cmocka_unit_test(sobol_is_a_net),           cmocka_unit_test(sobol4_is_a_net),
+        cmocka_unit_test(cdf_never_draws_zero),     cmocka_unit_test(cuts_change_no_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
