@@ -28,7 +28,7 @@ enum {
     COUNT = LAYERS * RAYS,
     POLAR = 5,
     AZIMUTHS = 8,
-    VIEWS = POLAR * AZIMUTHS,
+    DIRECTIONS = POLAR * AZIMUTHS,
     BASES = 2,
     SCENES_MOST = 8
 };
@@ -124,26 +124,26 @@ static void see_light(const struct brdf *b, vec3 wo, struct outgoing *out) {
     }
 }
 
-// Sums over views and points; of a rule, over the views that it serves.
+// Sums over outgoing directions and points; of a rule, over the directions that it serves.
 struct tally {
     double error[BASES][ORDER + 1], size;  // squares
     struct {
-        double error, size, views, order;
+        double error, size, directions, order;
     } by[RULES][BASES];
 };
 
-static void note(const struct incident *light, const struct outgoing *view, struct tally *t) {
+static void note(const struct incident *light, const struct outgoing *outgoing, struct tally *t) {
     double exact = 0.0;
-    for (size_t i = 0; i < COUNT; i++) exact += (double)(light->L[i] * view->f[i]);
+    for (size_t i = 0; i < COUNT; i++) exact += (double)(light->L[i] * outgoing->f[i]);
     t->size += exact * exact;
     for (int basis = 0; basis < BASES; basis++) {
         double sum = 0.0;
         for (int n = 1, k = 0; n <= ORDER; n++) {
-            for (; k < n * n; k++) sum += (double)(light->lambda[basis][k] * view->C[basis][k]);
+            for (; k < n * n; k++) sum += (double)(light->lambda[basis][k] * outgoing->C[basis][k]);
             double e = fmax(sum, 0.0) - exact;
             t->error[basis][n] += e * e;
             for (int rule = 0; rule < RULES; rule++) {
-                if (n != view->order[rule][basis]) continue;
+                if (n != outgoing->order[rule][basis]) continue;
                 t->by[rule][basis].error += e * e;
                 t->by[rule][basis].size += exact * exact;
             }
@@ -156,10 +156,10 @@ static void print_row(const char *name, int basis, const struct tally *t) {
     for (int i = 0; i < SHOWN_COUNT; i++)
         printf(" %.2f |", 100.0 * sqrt(t->error[basis][SHOWN[i]] / t->size));
     for (int rule = 0; rule < RULES; rule++) {
-        double views = t->by[rule][basis].views;
-        if (views > 0.0)
-            printf(" %.0f %% | %.1f | %.2f |", 100.0 * views / VIEWS,
-                   t->by[rule][basis].order / views,
+        double directions = t->by[rule][basis].directions;
+        if (directions > 0.0)
+            printf(" %.0f %% | %.1f | %.2f |", 100.0 * directions / DIRECTIONS,
+                   t->by[rule][basis].order / directions,
                    100.0 * sqrt(t->by[rule][basis].error / t->by[rule][basis].size));
         else
             printf(" 0 | - | - |");
@@ -171,17 +171,17 @@ static void print_row(const char *name, int basis, const struct tally *t) {
 static void measure_model(const char *name, const struct brdf *b, const struct incident *light,
                           int points) {
     static const float degrees[POLAR] = {10.0f, 30.0f, 50.0f, 68.0f, 80.0f};
-    static struct outgoing view;
+    static struct outgoing outgoing;
     struct tally t = {0};
-    for (int v = 0; v < VIEWS; v++) {
+    for (int v = 0; v < DIRECTIONS; v++) {
         float theta = degrees[v % POLAR] * PI_F / 180.0f;
         float phi = 2.0f * PI_F * ((float)(v / POLAR) + 0.3f) / AZIMUTHS;
-        see_light(b, v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta)), &view);
+        see_light(b, v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta)), &outgoing);
         for (int k = 0; k < RULES * BASES; k++) {
-            t.by[k / BASES][k % BASES].views += view.order[k / BASES][k % BASES] > 0;
-            t.by[k / BASES][k % BASES].order += view.order[k / BASES][k % BASES];
+            t.by[k / BASES][k % BASES].directions += outgoing.order[k / BASES][k % BASES] > 0;
+            t.by[k / BASES][k % BASES].order += outgoing.order[k / BASES][k % BASES];
         }
-        for (int p = 0; p < points; p++) note(&light[p], &view, &t);
+        for (int p = 0; p < points; p++) note(&light[p], &outgoing, &t);
     }
     for (int basis = 0; basis < BASES; basis++) print_row(name, basis, &t);
 }
@@ -267,7 +267,7 @@ static void print_head(void) {
     printf("| BRDF | basis |");
     for (int i = 0; i < SHOWN_COUNT; i++) printf(" n = %d |", SHOWN[i]);
     for (int rule = 0; rule < RULES; rule++)
-        printf(" %s: views | n | at n |", rule ? "by reflection" : "by BRDF");
+        printf(" %s: directions | n | at n |", rule ? "by reflection" : "by BRDF");
     printf("\n|---|---|");
     for (int i = 0; i < SHOWN_COUNT + 3 * RULES; i++) printf("---|");
     printf("\n");

@@ -46,8 +46,9 @@ static void run_eval(const struct timed *c) {
 
 static void run_project(const struct timed *c) {
     const float *const v[3] = {values[0], values[1], values[2]};
-    c->kernels->project(RSH_HEMISPHERE, c->order, COUNT, directions[0], directions[1],
-                        directions[2], v, result);
+    c->kernels->project(RSH_HEMISPHERE, c->order, COUNT,
+                        (const float *const[3]){directions[0], directions[1], directions[2]}, v,
+                        result);
 }
 
 static void run_accumulate(const struct timed *c) {

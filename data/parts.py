@@ -136,9 +136,9 @@ def camera_path(comment, *keyframes):
 
 
 def catmull_rom(points, steps):
-    """A smooth curve through points: positions and tangents, `steps` per span."""
+    """A spline through points: positions and tangents, `steps` per span."""
     ends = [points[0], *points, points[-1]]
-    curve = []
+    spline = []
     for i in range(len(points) - 1):
         p = ends[i:i + 4]
         for k in range(steps + (i == len(points) - 2)):
@@ -147,51 +147,51 @@ def catmull_rom(points, steps):
                  (t + 4 * t**2 - 3 * t**3) / 2, (-t**2 + t**3) / 2]
             d = [(-1 + 4 * t - 3 * t**2) / 2, (-10 * t + 9 * t**2) / 2,
                  (1 + 8 * t - 9 * t**2) / 2, (-2 * t + 3 * t**2) / 2]
-            curve.append(tuple(sum(c[j] * p[j][axis] for j in range(4))
+            spline.append(tuple(sum(c[j] * p[j][axis] for j in range(4))
                                for c in (w, d) for axis in range(len(p[0]))))
-    return curve
+    return spline
 
 
 def lathe(profile, sides, steps):
     """A profile of (radius, height), rotated about the y axis: a binary PLY with smooth normals
     that point to the right of the profile's direction."""
     vertices = []
-    curve = catmull_rom(profile, steps)
-    for r, y, dr, dy in curve:
+    spline = catmull_rom(profile, steps)
+    for r, y, dr, dy in spline:
         length = math.hypot(dr, dy)
         for k in range(sides):
             c, s = math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)
             n = (dy * c / length, -dr / length, dy * s / length)
             vertices.append((r * c, y, r * s, *n))
-    return ply(vertices, strips(len(curve), sides, True))
+    return ply(vertices, strips(len(spline), sides, True))
 
 
 def sweep(spine, sides, steps):
-    """A tube along a curve in the plane z = 0 through points of (x, y, radius), open at its ends: a
-    binary PLY with smooth normals, which point outside."""
+    """A tube along a spline in the plane z = 0 through points of (x, y, radius), open at its ends:
+    a binary PLY with smooth normals, which point outside."""
     vertices = []
-    curve = catmull_rom(spine, steps)
-    for x, y, r, dx, dy, _ in curve:
+    spline = catmull_rom(spine, steps)
+    for x, y, r, dx, dy, _ in spline:
         length = math.hypot(dx, dy)
         for k in range(sides):
             c, s = math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)
             n = (c * dy / length, -c * dx / length, s)
             vertices.append((x + r * n[0], y + r * n[1], r * n[2], *n))
-    return ply(vertices, strips(len(curve), sides, True))
+    return ply(vertices, strips(len(spline), sides, True))
 
 
 def curtain(plan, foot, top, rows, steps):
-    """An upright sheet over a curve through points of (x, z), between heights that `foot` and `top`
-    give for the fraction of the curve in [0, 1]: a binary PLY with smooth normals, which point to
-    the right of the curve's direction."""
+    """An upright sheet over a spline through points of (x, z), between heights that `foot` and
+    `top` give for the fraction of the spline in [0, 1]: a binary PLY with smooth normals, which
+    point to the right of the spline's direction."""
     vertices = []
-    curve = catmull_rom(plan, steps)
+    spline = catmull_rom(plan, steps)
     for i in range(rows + 1):
-        for k, (x, z, dx, dz) in enumerate(curve):
-            low, high = foot(k / (len(curve) - 1)), top(k / (len(curve) - 1))
+        for k, (x, z, dx, dz) in enumerate(spline):
+            low, high = foot(k / (len(spline) - 1)), top(k / (len(spline) - 1))
             length = math.hypot(dx, dz)
             vertices.append((x, low + (high - low) * i / rows, z, -dz / length, 0, dx / length))
-    return ply(vertices, strips(rows + 1, len(curve), False))
+    return ply(vertices, strips(rows + 1, len(spline), False))
 
 
 def strips(rows, columns, closed):

@@ -40,7 +40,8 @@ double sample_cdf_build(const float *weight, size_t n, float *cdf) {
 
 // The last of the items [lo, lo + count) whose cdf value is at most u, or lo.
 static size_t find_item(const float *cdf, size_t lo, size_t count, float u) {
-    // Without branches, because the outcome is random and half of the predictions would be wrong.
+    // Without a conditional jump, because the outcome is random and half of the predictions would
+    // be wrong.
     while (count > 1) {
         const size_t half = count / 2;
         lo += cdf[lo + half] <= u ? half : 0;

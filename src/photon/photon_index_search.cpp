@@ -3,8 +3,8 @@
 // finds the same rows in the same order. Queries that are not finite find nothing.
 //
 // A lookup of light is a search for the one nearest row, which visits some 14 nodes and 1.5 leaves
-// and mostly waits for memory and for branches that no processor can predict. So SEARCHES queries
-// descend together, without branches, and the leaves at their ends are prefetched.
+// and mostly waits for memory and for jumps that no processor can predict. So SEARCHES queries
+// descend together, without conditional jumps, and the leaves at their ends are prefetched.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -100,8 +100,8 @@ struct Search {
 };
 
 // Goes from a node to the child on the query's side, at the same distance, and leaves the other
-// child for later. Chooses without branches, which could not be predicted. False if the node is a
-// leaf or the search has no more space.
+// child for later. Chooses without conditional jumps, which could not be predicted. False if the
+// node is a leaf or the search has no more space.
 template <size_t N, typename Found>
 bool step_down(const photon_index &index, Search<N, Found> &s) {
     Subtree<N> &here = s.here;

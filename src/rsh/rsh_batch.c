@@ -167,42 +167,50 @@ INLINE void exact_band(int l, int channels, const struct lane_rotations *t, stru
     exchange(l, channels, &t->alpha, u, out);
 }
 
-// `offsets` as in series_band, or 0 for the exact rotation.
-INLINE void rotate_bands(int offsets, const struct lane_rotations *t, const struct slants *s,
-                         int order, int channels, size_t stride, const float *in, float *out) {
-    ptrdiff_t step = (ptrdiff_t)stride, channel = order * order * step;
+// A rotation of all lanes: `exact` if `offsets` is 0, otherwise `series`, with `offsets` as in
+// series_band. `stride` is the distance of the coefficients of a vector.
+struct batch_rotation {
+    const struct lane_rotations *exact;
+    const struct slants *series;
+    int order;
+    size_t stride;
+};
+
+INLINE void rotate_bands(int offsets, const struct batch_rotation *r, int channels, const float *in,
+                         float *out) {
+    const int order = r->order;
+    ptrdiff_t step = (ptrdiff_t)r->stride, channel = order * order * step;
     for (int c = 0; c < channels; c++) store(out + c * channel, load(in + c * channel));
     for (int l = 1; l < order; l++) {
         // `in` is read but never written, so the cast is safe.
         const struct band from = {(float *)(uintptr_t)in + l * (l + 1) * step, step, channel};
         const struct band to = {out + l * (l + 1) * step, step, channel};
         if (offsets == 0)
-            exact_band(l, channels, t, from, to);
+            exact_band(l, channels, r->exact, from, to);
         else
-            series_band(offsets, l, channels, s, from, to);
+            series_band(offsets, l, channels, r->series, from, to);
     }
 }
 
-INLINE void rotate_batch_channels(int offsets, const struct lane_rotations *t,
-                                  const struct slants *s, int order, int channels, size_t stride,
+INLINE void rotate_batch_channels(int offsets, const struct batch_rotation *r, int channels,
                                   const float *in, float *out) {
-    const size_t n = (size_t)(order * order) * stride;
+    const size_t n = (size_t)(r->order * r->order) * r->stride;
     for (; channels >= CHANNELS; channels -= CHANNELS, in += CHANNELS * n, out += CHANNELS * n)
-        rotate_bands(offsets, t, s, order, CHANNELS, stride, in, out);
-    for (; channels > 0; channels--, in += n, out += n)
-        rotate_bands(offsets, t, s, order, 1, stride, in, out);
+        rotate_bands(offsets, r, CHANNELS, in, out);
+    for (; channels > 0; channels--, in += n, out += n) rotate_bands(offsets, r, 1, in, out);
 }
 
 void GLUE(rsh_rotate_many_, RSH_NAME)(const struct rsh_rotations *angles, int order, int channels,
                                       size_t stride, const float *in, float *out) {
     if (angles->method != RSH_METHOD_EXACT) {
         struct slants s;
+        const struct batch_rotation series = {NULL, &s, order, stride};
         if (angles->method == RSH_METHOD_TAYLOR_2) {
             slants_of(2, angles, order, &s);
-            rotate_batch_channels(2, NULL, &s, order, channels, stride, in, out);
+            rotate_batch_channels(2, &series, channels, in, out);
         } else {
             slants_of(1, angles, order, &s);
-            rotate_batch_channels(1, NULL, &s, order, channels, stride, in, out);
+            rotate_batch_channels(1, &series, channels, in, out);
         }
         return;
     }
@@ -213,7 +221,8 @@ void GLUE(rsh_rotate_many_, RSH_NAME)(const struct rsh_rotations *angles, int or
     // two exchanges.
     powers_of(angles->cos_beta, angles->sin_beta, order, &t.beta);
     for (int m = 0; m < order; m++) t.beta.sine[m] = -t.beta.sine[m];
-    rotate_batch_channels(0, &t, NULL, order, channels, stride, in, out);
+    const struct batch_rotation exact = {&t, NULL, order, stride};
+    rotate_batch_channels(0, &exact, channels, in, out);
 }
 
 #if RSH_WIDTH == 1

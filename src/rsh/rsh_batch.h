@@ -9,8 +9,8 @@
 #define RSH_BATCH(name)                                                                            \
     void rsh_eval_many_##name(rsh_basis basis, int order, size_t count, const float *x,            \
                               const float *y, const float *z, float *out);                         \
-    void rsh_project_##name(rsh_basis basis, int order, size_t count, const float *x,              \
-                            const float *y, const float *z, const float *const value[3],           \
+    void rsh_project_##name(rsh_basis basis, int order, size_t count,                              \
+                            const float *const direction[3], const float *const value[3],          \
                             float *out);                                                           \
     void rsh_angles_##name(const float r[9][RSH_MAX_WIDTH], bool stretch,                          \
                            struct rsh_rotations *t);                                               \

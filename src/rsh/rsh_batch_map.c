@@ -9,7 +9,7 @@
 
 #define PI_SINGLE 3.14159265f
 
-// Selections below are between values and never branches, so that loops over lanes are vectorised.
+// Selections below are between values and never jumps, so that loops over lanes are vectorised.
 INLINE float select_if(bool yes, float a, float b) { return yes ? a : b; }
 
 // atan2(s, c) for s, c >= 0 with s^2 + c^2 = 1: the series of 8 atan(tan(angle / 8)), whose

@@ -25,18 +25,24 @@ INLINE void store_row(lanes v, float *middle, int l, int base) {
     eight_store_first(middle + base, count, lanes_low(v));
 }
 
-// Computes outputs o .. o + block - 1 from the inputs from `base` on, whose factors begin at f.
-INLINE void convert_rows(int block, const float *f, const ptrdiff_t strides[2], int base,
-                         int inputs, const lanes *row, int o, float *out) {
+// The rows of an input from number `base` on.
+struct input_rows {
+    const lanes *row;
+    int base, count;
+};
+
+// Computes outputs o .. o + block - 1 from the rows, whose factors begin at f.
+INLINE void convert_rows(int block, struct input_rows in, const float *f,
+                         const ptrdiff_t strides[2], int o, float *out) {
     lanes sum[CONVERT_BLOCK];
     for (int k = 0; k < block; k++) sum[k] = lanes_zero();
-    int i = base;
+    int i = in.base;
     do {
         for (int k = 0; k < block; k++)
-            sum[k] = lanes_mad(lanes_twice(f + k * strides[0]), row[i], sum[k]);
+            sum[k] = lanes_mad(lanes_twice(f + k * strides[0]), in.row[i], sum[k]);
         f += strides[1];
-    } while (++i < inputs);
-    for (int k = 0; k < block; k++) store_row(sum[k], out + (o + k) * (o + k + 1), o + k, base);
+    } while (++i < in.count);
+    for (int k = 0; k < block; k++) store_row(sum[k], out + (o + k) * (o + k + 1), o + k, in.base);
 }
 
 // Converts the low or the high rows: `factor` has eight numbers per (output, input), at the given
@@ -45,12 +51,13 @@ INLINE void convert_half(const float *factor, const ptrdiff_t strides[2], int ba
                          const int bands[2], const float *in, float *out) {
     lanes row[RSH_MAX_ORDER];
     for (int i = base; i < bands[1]; i++) row[i] = load_row(in + i * (i + 1), i, base);
+    const struct input_rows rows = {row, base, bands[1]};
     int o = base;
     for (; o + CONVERT_BLOCK <= bands[0]; o += CONVERT_BLOCK, factor += CONVERT_BLOCK * strides[0])
-        convert_rows(CONVERT_BLOCK, factor, strides, base, bands[1], row, o, out);
-    if (o + 3 == bands[0]) convert_rows(3, factor, strides, base, bands[1], row, o, out);
-    if (o + 2 == bands[0]) convert_rows(2, factor, strides, base, bands[1], row, o, out);
-    if (o + 1 == bands[0]) convert_rows(1, factor, strides, base, bands[1], row, o, out);
+        convert_rows(CONVERT_BLOCK, rows, factor, strides, o, out);
+    if (o + 3 == bands[0]) convert_rows(3, rows, factor, strides, o, out);
+    if (o + 2 == bands[0]) convert_rows(2, rows, factor, strides, o, out);
+    if (o + 1 == bands[0]) convert_rows(1, rows, factor, strides, o, out);
 }
 
 void GLUE(rsh_convert_, RSH_NAME)(const struct rsh_rows *rows, bool transposed, const int bands[2],

@@ -61,7 +61,7 @@ bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const
                  const float *z, const float *r, const float *g, const float *b, float *out) {
     if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
     const float *const value[3] = {r, b ? g : NULL, g ? b : NULL};
-    rsh_kernels_best()->project(basis, order, count, x, y, z, value, out);
+    rsh_kernels_best()->project(basis, order, count, (const float *const[3]){x, y, z}, value, out);
     return true;
 }
 

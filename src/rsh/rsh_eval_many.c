@@ -85,15 +85,22 @@ INLINE struct eval_powers power_sum(int vectors, const struct eval_powers *a,
     return sum;
 }
 
-// Computes functions l = m .. order - 1 of one m, whose azimuth is given.
+// Where functions of some vectors of directions go: `count` values of each function.
+struct eval_values {
+    size_t count;
+    float *out;
+};
+
+// Computes functions l = m .. order - 1 of one m, whose azimuth is given. `norm` are their factors.
 INLINE void eval_column(const float *norm, int order, int m, int vectors,
-                        const struct eval_point *v, const struct eval_powers *even, size_t count,
-                        float *out) {
+                        const struct eval_point *v, const struct eval_powers *even,
+                        struct eval_values values) {
+    const size_t count = values.count;
     struct eval_powers odd;
     for (int i = 0; i < vectors; i++)
         odd.of[i] = azimuth_of(even->of[i].c * v[i].z, even->of[i].s * v[i].z);
     const size_t shift = (size_t)m * count;
-    float *to = out + (size_t)(m * (m + 1)) * count;
+    float *to = values.out + (size_t)(m * (m + 1)) * count;
 #pragma GCC unroll 16
     for (int l = m; l < order; l++) {
         const int roots = (l - m) / 2;
@@ -116,8 +123,8 @@ INLINE void eval_column(const float *norm, int order, int m, int vectors,
 }
 
 // Computes all functions of one vector of directions or two. There is one function per order, so
-// that nothing branches. Directions are prepared here and not ahead, because stores take longer
-// than everything else.
+// that it has no conditional jumps. Directions are prepared here and not ahead, because stores take
+// longer than everything else.
 INLINE void eval_gentle(rsh_basis basis, int order, int vectors, const float *const d[3],
                         size_t count, float *out) {
     const bool hemisphere = basis == RSH_HEMISPHERE;
@@ -130,7 +137,8 @@ INLINE void eval_gentle(rsh_basis basis, int order, int vectors, const float *co
         w0.of[i] = azimuth_of(splat(1.0f), splat(0.0f));
         w1.of[i] = azimuth_of(p[i].x, p[i].y);
     }
-#define COLUMN(m) eval_column(norm, order, m, vectors, p, &w##m, count, out)
+    const struct eval_values values = {count, out};
+#define COLUMN(m) eval_column(norm, order, m, vectors, p, &w##m, values)
 #define NEXT(m, i, j)                                                 \
     const struct eval_powers w##m = power_sum(vectors, &w##i, &w##j); \
     COLUMN(m)

@@ -85,49 +85,70 @@ static void change_of_frame(const float a[9], const float b[9], float r[9]) {
                 b[3 * i] * a[3 * j] + b[3 * i + 1] * a[3 * j + 1] + b[3 * i + 2] * a[3 * j + 2];
 }
 
-// All forms but the one through the sphere are z(alpha) Y(beta) z(gamma), with orthogonal z and
-// Y(beta)^T = Y(-beta), which also holds for the series. So the transpose is the same form with the
-// inverse rotation.
-static bool align(bool transposed, rsh_basis basis, int order, int channels, const float from[9],
-                  const float to[9], float beta_limit, const float *in, float *out) {
-    if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
+// The vectors to align: channels of an order in a basis.
+struct aligned {
+    rsh_basis basis;
+    int order, channels;
+    const float *in;
+    float *out;
+};
+
+// The rotation between two frames, or for the transposed map its inverse. False if they are not in
+// range.
+static bool rotation_between(bool transposed, const float from[9], const float to[9], float r[9]) {
     if (!rsh_in_range(from, 9) || !rsh_in_range(to, 9)) return false;
-    if (memcmp(from, to, 9 * sizeof *from) == 0) {
-        rsh_copy(order, channels, in, out);
-        return true;
-    }
-    float r[9];
     if (transposed)
         change_of_frame(to, from, r);
     else
         change_of_frame(from, to, r);
+    return true;
+}
+
+// All forms but the one through the sphere are z(alpha) Y(beta) z(gamma), with orthogonal z and
+// Y(beta)^T = Y(-beta), which also holds for the series. So the transpose is the same form with the
+// inverse rotation.
+static void align(const struct aligned *v, bool transposed, const float r[9], float beta_limit) {
     struct rsh_rotation t = rsh_rotation_of_matrix(r);
     if (rsh_rotation_is_identity(&t)) {
-        rsh_copy(order, channels, in, out);
-        return true;
+        rsh_copy(v->order, v->channels, v->in, v->out);
+        return;
     }
     if (t.method == RSH_METHOD_EXACT) {
         bool fast = beta_limit > 0.0f && rsh_rotation_angle(&t) <= beta_limit;
-        if (basis == RSH_HEMISPHERE && !fast) {
-            align_through_sphere(&t, transposed, order, channels, in, out);
-            return true;
+        if (v->basis == RSH_HEMISPHERE && !fast) {
+            align_through_sphere(&t, transposed, v->order, v->channels, v->in, v->out);
+            return;
         }
-        if (basis == RSH_HEMISPHERE) rsh_rotation_stretch(&t);
+        if (v->basis == RSH_HEMISPHERE) rsh_rotation_stretch(&t);
         if (fast) {
             t.method = RSH_METHOD_TAYLOR_2;
             t.beta = rsh_rotation_angle(&t);
         }
     }
-    rsh_kernels_best()->rotate(&t, order, channels, in, out);
+    rsh_kernels_best()->rotate(&t, v->order, v->channels, v->in, v->out);
+}
+
+// Aligns vectors from one frame to another. False if an argument is wrong.
+static bool align_frames(const struct aligned *v, bool transposed, const float from[9],
+                         const float to[9], float beta_limit) {
+    float r[9];
+    if (!rsh_basis_ok(v->basis) || !rsh_order_ok(v->order)) return false;
+    if (!rotation_between(transposed, from, to, r)) return false;
+    if (memcmp(from, to, 9 * sizeof *from) == 0)
+        rsh_copy(v->order, v->channels, v->in, v->out);
+    else
+        align(v, transposed, r, beta_limit);
     return true;
 }
 
 bool rsh_align(rsh_basis basis, int order, int channels, const float from[9], const float to[9],
                float beta_limit, const float *in, float *out) {
-    return align(false, basis, order, channels, from, to, beta_limit, in, out);
+    const struct aligned v = {basis, order, channels, in, out};
+    return align_frames(&v, false, from, to, beta_limit);
 }
 
 bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                           const float to[9], float beta_limit, const float *in, float *out) {
-    return align(true, basis, order, channels, from, to, beta_limit, in, out);
+    const struct aligned v = {basis, order, channels, in, out};
+    return align_frames(&v, true, from, to, beta_limit);
 }

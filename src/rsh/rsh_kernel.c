@@ -8,20 +8,27 @@
 #include "rsh/rsh_tables.h"
 #include "rsh/rsh_vector.h"
 
-// One pass over all rows for `vectors` vectors of coefficients that begin at `matrix`. Of the last
+// A matrix of `count` rows of `row` coefficients.
+struct row_matrix {
+    size_t count, row;
+    const float *first;
+};
+
+// One pass over all rows for `vectors` vectors of coefficients from the first one on. Of the last
 // vector only the lanes from `skip` on are added, as it may overlap the one before.
-INLINE void accumulate_columns(int vectors, int channels, size_t count, size_t row,
-                               const float *matrix, const float *const value[3], size_t skip,
-                               float *out) {
+INLINE void accumulate_columns(int vectors, int channels, struct row_matrix matrix,
+                               const float *const value[3], size_t skip, float *out) {
+    const size_t row = matrix.row;
+    const float *at = matrix.first;
     vf sum[3][8];
     size_t last = (size_t)(vectors - 1);
     for (int a = 0; a < channels; a++)
         for (int j = 0; j < vectors; j++) sum[a][j] = (vf){0};
-    for (size_t i = 0; i < count; i++, matrix += row) {
+    for (size_t i = 0; i < matrix.count; i++, at += row) {
         vf v[3];
         for (int a = 0; a < channels; a++) v[a] = splat(value[a][i]);
         for (int j = 0; j < vectors; j++) {
-            vf h = load(matrix + (size_t)j * W - ((size_t)j == last ? skip : 0));
+            vf h = load(at + (size_t)j * W - ((size_t)j == last ? skip : 0));
             for (int a = 0; a < channels; a++) sum[a][j] += h * v[a];
         }
     }
@@ -48,12 +55,12 @@ INLINE void accumulate_channels(int channels, size_t count, size_t coefficients,
             vectors = KERNEL_BLOCK;
         else
             skip = vectors * W - left;
-        const float *m = matrix + k;
+        const struct row_matrix columns = {count, coefficients, matrix + k};
         float *to = out + k;
         switch (vectors) {
-#define CASE(n)                                                                   \
-    case n:                                                                       \
-        accumulate_columns(n, channels, count, coefficients, m, value, skip, to); \
+#define CASE(n)                                                    \
+    case n:                                                        \
+        accumulate_columns(n, channels, columns, value, skip, to); \
         break
             CASE(1);
             CASE(2);

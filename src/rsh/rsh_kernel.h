@@ -46,8 +46,9 @@ struct rsh_kernels {
     const char *name;
     void (*eval_many)(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                       const float *z, float *out);
-    void (*project)(rsh_basis basis, int order, size_t count, const float *x, const float *y,
-                    const float *z, const float *const value[3], float *out);
+    // `direction`: x, y and z.
+    void (*project)(rsh_basis basis, int order, size_t count, const float *const direction[3],
+                    const float *const value[3], float *out);
     void (*accumulate)(size_t count, size_t coefficients, const float *matrix,
                        const float *const value[3], float *out);
     // rsh_dot3, where `step` is the distance between the channels of a, 0 or n, for vectors of n

@@ -24,13 +24,13 @@ static void plain_accumulate(size_t count, size_t coefficients, const float *mat
                 out[c * coefficients + k] += matrix[i * coefficients + k] * value[c][i];
 }
 
-static void plain_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
-                          const float *z, const float *const value[3], float *out) {
+static void plain_project(rsh_basis basis, int order, size_t count, const float *const d[3],
+                          const float *const value[3], float *out) {
     float h[RSH_MAX_COEFFICIENTS];
     for (size_t i = 0; i < count; i++) {
         const float *const one[3] = {value[0] + i, value[1] ? value[1] + i : NULL,
                                      value[2] ? value[2] + i : NULL};
-        rsh_eval(basis, order, (float[3]){x[i], y[i], z[i]}, h);
+        rsh_eval(basis, order, (float[3]){d[0][i], d[1][i], d[2][i]}, h);
         plain_accumulate(1, (size_t)(order * order), h, one, out);
     }
 }

@@ -119,10 +119,16 @@ INLINE vf *project_set(int order, int channels, int set, int first, int end, str
     return sum;
 }
 
+// The functions of one set: those of m from `first` to `end` - 1.
+struct mixed_set {
+    int number, first, end;
+};
+
 // Converts the sums of one set, now one number each, and adds them to `out`. Returns the sums of
 // the next set.
-INLINE const float *mix_set(float scale, int order, int channels, int set, int first, int end,
+INLINE const float *mix_set(struct mixed_set set, float scale, int order, int channels,
                             const float *sum, float *out) {
+    const int first = set.first, end = set.end;
     const float *row[RSH_MAX_ORDER];
     for (int k = 0; k < order - first; k++) {
         const int last = end < order - k ? end : order - k;
@@ -132,7 +138,7 @@ INLINE const float *mix_set(float scale, int order, int channels, int set, int f
     for (int m = first; m < end; m++) {
         const int at = m ? channels * (PHASES * (m - first) - (first == 0)) : 0;
         for (int k = 0; k < order - m; k++) {
-            const float *mix = rsh_mix[set][m][k];
+            const float *mix = rsh_mix[set.number][m][k];
             sextet total = {0};
             for (int j = k & 1; j <= k; j += 2) {
                 sextet v;
@@ -159,8 +165,9 @@ INLINE void mix_sums(rsh_basis basis, int order, int channels, int second, const
         memcpy(sum + i, &v, sizeof v);
     }
     memset(sum + channels * order * order, 0, SPACE * sizeof *sum);
-    const float *next = mix_set(scale, order, channels, 0, 0, second, sum, out);
-    if (second < order) mix_set(scale, order, channels, 1, second, order, next, out);
+    const float *next = mix_set((struct mixed_set){0, 0, second}, scale, order, channels, sum, out);
+    if (second < order)
+        mix_set((struct mixed_set){1, second, order}, scale, order, channels, next, out);
 }
 
 // One function per shape: inlined into one function, they would leave too few registers.
@@ -198,10 +205,8 @@ INLINE void project_channels(rsh_basis basis, int order, int channels, size_t co
     mix_sums(basis, order, channels, second, sums, out);
 }
 
-void GLUE(rsh_project_, RSH_NAME)(rsh_basis basis, int order, size_t count, const float *x,
-                                  const float *y, const float *z, const float *const value[3],
-                                  float *out) {
-    const float *const d[3] = {x, y, z};
+void GLUE(rsh_project_, RSH_NAME)(rsh_basis basis, int order, size_t count, const float *const d[3],
+                                  const float *const value[3], float *out) {
     if (value[1])
         project_channels(basis, order, 3, count, d, value, out);
     else

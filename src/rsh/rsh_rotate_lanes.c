@@ -118,14 +118,16 @@ INLINE struct multiple_angle lane_multiples(const struct rsh_lane_set *g, int in
     return (struct multiple_angle){lanes_within(a.cosine, p), lanes_within(a.sine, p)};
 }
 
+// A rotation, with the multiples of its angles.
 struct angles {
+    const struct rsh_rotation *t;
     struct multiple_angle alpha, beta, gamma;
 };
 
 // Rotates one set. `in` and `out` are the first of `block` channels of n coefficients each.
 INLINE void rotate_set(const struct rsh_lane_set *g, struct lane_span span,
-                       const struct rsh_rotation *t, const struct angles *angles, int block, int n,
-                       const float *in, float *out) {
+                       const struct angles *angles, int block, int n, const float *in, float *out) {
+    const struct rsh_rotation *t = angles->t;
     const int count = (n < span.end ? n : span.end) - span.first;
     in += span.first;
     out += span.first;
@@ -154,16 +156,16 @@ INLINE void rotate_set(const struct rsh_lane_set *g, struct lane_span span,
 
 // Rotates the first two sets, which all these orders have, with constant spans, and then the
 // others.
-INLINE void rotate_lane_channels(const struct rsh_rotation *t, const struct angles *angles,
-                                 int order, int block, const float *in, float *out) {
+INLINE void rotate_lane_channels(const struct angles *angles, int order, int block, const float *in,
+                                 float *out) {
     const struct rsh_lane_set *g = rsh_lane_sets, *end = g + RSH_LANE_SETS;
     const int n = order * order;
-    rotate_set(g++, (struct lane_span){0, 16, 2, 0}, t, angles, block, n, in, out);
-    rotate_set(g++, (struct lane_span){16, 36, 3, 2}, t, angles, block, n, in, out);
+    rotate_set(g++, (struct lane_span){0, 16, 2, 0}, angles, block, n, in, out);
+    rotate_set(g++, (struct lane_span){16, 36, 3, 2}, angles, block, n, in, out);
     for (; g < end && g->first < n; g++) {
         const int next = g + 1 < end ? g[1].first : RSH_MAX_COEFFICIENTS;
         const struct lane_span span = {g->first, next, g->steps, g->offset};
-        rotate_set(g, span, t, angles, block, n, in, out);
+        rotate_set(g, span, angles, block, n, in, out);
     }
 }
 
@@ -176,6 +178,7 @@ void GLUE(rsh_rotate_lanes_, RSH_NAME)(const struct rsh_rotation *t, int order, 
     const bool wide = order > 8;
     const int n = order * order;
     struct angles a;
+    a.t = t;
     a.alpha = a.beta = a.gamma = multiples(t->cos_gamma, t->sin_gamma, wide);
     if (t->method != RSH_METHOD_Z) a.alpha = multiples(t->cos_alpha, t->sin_alpha, wide);
     // The exchange reverses the sense: a rotation about y by beta is one about z by -beta between
@@ -183,7 +186,6 @@ void GLUE(rsh_rotate_lanes_, RSH_NAME)(const struct rsh_rotation *t, int order, 
     if (t->method == RSH_METHOD_EXACT) a.beta = multiples(t->cos_beta, -t->sin_beta, wide);
     for (; channels >= LANES_BLOCK;
          channels -= LANES_BLOCK, in += LANES_BLOCK * n, out += LANES_BLOCK * n)
-        rotate_lane_channels(t, &a, order, LANES_BLOCK, in, out);
-    for (; channels > 0; channels--, in += n, out += n)
-        rotate_lane_channels(t, &a, order, 1, in, out);
+        rotate_lane_channels(&a, order, LANES_BLOCK, in, out);
+    for (; channels > 0; channels--, in += n, out += n) rotate_lane_channels(&a, order, 1, in, out);
 }

@@ -155,7 +155,7 @@ INLINE void rotate_pairs(const struct rsh_rotation *t, int set, int order, int c
     }
 }
 
-// Order 6 has a form without branches; the others have one function each.
+// Order 6 has a form without conditional jumps; the others have one function each.
 static __attribute__((noinline)) void rotate_four(const struct rsh_rotation *t, int order,
                                                   int channels, const float *in, float *out) {
     rotate_pairs(t, 0, order, channels, in, out);

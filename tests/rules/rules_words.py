@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Keeps retired words out of names, comments, messages and docs, so that one thing has one name,
-the field's; keeps eight words to the one meaning that docs/glossary.md gives them, in tests, bench
-and pages too; and keeps that page true.
+the field's; keeps the words of IDENTIFIERS to the one meaning that docs/glossary.md gives them, in
+tests, bench and pages too; and keeps that page true.
 
 Usage: rules_words.py TREE
 
@@ -15,7 +15,7 @@ import sys
 FOLDERS = ["include", "docs", "src", "tests", "bench", "data"]
 # Beside these, files without a suffix are scripts.
 CODE = {".c", ".h", ".cpp"}
-TEXT = CODE | {".md", ".py", ".1", ".txt", ".build", ""}
+TEXT = CODE | {".md", ".py", ".1", ".txt", ".build", ".toml", ".html", ".js", ".css", ""}
 # What others wrote, what programs wrote, and the two files that name the retired words themselves.
 SKIPPED = {"seeds", "references", "results", "spectra", "meshes", "__pycache__", "glossary.md",
            "rules_words.py"}
@@ -91,7 +91,8 @@ RETIRED = {
 # All of them as one pattern, for text in lower case.
 RETIRED_WORD = re.compile(f"(?<![a-z])(?:{'|'.join(RETIRED)})(?![a-z])")
 # Where a retired word is the right one; the last are names that options had, where they are quoted.
-ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
+ALLOWED = re.compile(r"""\bto\ deal\ in\ the\ Software\b |
+                     \b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
                      | ["'`](light-guide|gather-(bounce|guide|room|shadow))["'`] | `photons\.seen_s`
                      | /usr/share/
                      """, re.VERBOSE)
@@ -128,6 +129,26 @@ IDENTIFIERS = {
         r"guide_(?:clusters|visibility)(?:_(?:build|bytes|free|most|samples))?|GUIDE_SEEN_PATHS_MAX"
         : "include/satin/options|src/render/",
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
+    "Curve": ("curves?", {
+        r"\w+": r"src/(?:load/load_(?:curve|build|plugins_shape)|scene/|apps/app_info_scene)"}),
+    "Group": ("groups?", {r"\w+": r"src/(?:load/|scene/|guide/guide_emission)"}),
+    "Job": ("jobs?", {
+        "job|find_job": r"src/(?:render/render_(?:animation|metadata|state)"
+                        r"|apps/app_(?:animation|render))|include/satin/animation"}),
+    "Preview": ("previews?", {
+        "OPTIONS_QUALITY_PREVIEW|SATIN_PREVIEW":
+            r"src/(?:render/options|apps/app_help)|include/satin/options",
+        "APP_PREVIEW_H|FLAG_PREVIEW|(?:app_)?preview(?:_write|_finish)?|film_write_preview":
+            r"src/(?:apps/app_(?:preview|render)|film/film)"}),
+    "Probe": ("prob(?:es?|ed|ing)", {
+        "GUIDE_PROBES|NEAR_PROBED|choose_probes|gather_(?:near_)?probe|probes?":
+            "src/(?:guide|gather)/"}),
+    "View": ("views?", {
+        r"satin_view|views?|view_(?:count|vector)|(?:make|set|adapt)_views?|VIEW_PIXELS"
+        r"|render_views\w*":
+            r"src/(?:animation/|render/|apps/app_animation|scene/scene\.)|include/satin/animation",
+        "(?:load|read|set)_field_of_view": "src/load/", "string_view": "src/toml/",
+        "first_pass_view": "src/study/"}),
     # Never a fraction.
     "Shared": ("shar(?:es?|ed|ing)", {
         "load_xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
@@ -146,6 +167,8 @@ TEST_IDENTIFIERS = {
     "Branch": r"\w*(?i:branch)\w*", "Room": r"\w*(?i:room)\w*",
     "Seen": "seen_directly|seen_(?:one|many)",
     "Level": "levels?_\\w+|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
+    "Curve": r"\w+", "Group": r"\w+", "Job": r"\w+", "Preview": r"\w+", "Probe": r"\w+",
+    "View": r"\w+",
     "Guide": r"test_guide_\w+", "Shared": "MAP_SHARED|oidnSetSharedFilterImage|shared"}
 # Folders of code outside of src and include.
 OUTSIDE = ("tests/", "bench/", "data/", "docs/")
@@ -167,6 +190,22 @@ IN_TEXT = {
               "recursive-levels"),
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),
     "Shared": (r"shar(?:es?|ing)", "", ""),
+    "Branch": ("branch(?:es)?", "src/gather/gather_bounces|src/shade/shade_eye", ""),
+    "Curve": ("curves?", r"src/load/load_(?:curve|build|plugins_shape)|src/scene/"
+              r"|src/apps/app_info_scene", "may curve|curves away|(?:splines|meshes) and[^.]*curves"
+              "|about curves"),
+    "Group": ("groups?", r"src/load/|src/scene/|src/guide/guide_emission",
+              r"process and[^.]* its group|to the group and|of a group|task group|Three instances"
+              r"|(?:teardown|processes) of a group|one to it or to its group"),
+    "Job": ("jobs?", r"src/apps/app_animation|src/render/render_(?:animation|metadata|state)"
+            "|include/satin/animation", "job of|in one job"),
+    "Preview": ("previews?", "src/apps/app_preview",
+                r"(?:quality|at|draft and|draft,) `?preview|draft ?\|\s*preview|else preview"),
+    "Probe": ("prob(?:es?|ed|ing)", "src/(?:guide|gather)/", "probe of a photon cluster"),
+    "View": ("views?", r"src/(?:animation|render|scene)/|src/load/load_(?:transform|plugins_sensor)"
+             r"|include/satin/(?:animation|scene)",
+             "(?:angle|field) of view|along the view|view of this sensor|first view|one view"
+             "|(?:a|each|this|keyframe's|two|three|of|the) views?"),
 }
 # Phrases in which such a word means something else, in any file.
 OTHER_MEANING = re.compile(r"""\bplaces?\ (?:where|at\ which|in\ (?:space|a\ room)|on\ (?:a|the)\b)
@@ -174,12 +213,34 @@ OTHER_MEANING = re.compile(r"""\bplaces?\ (?:where|at\ which|in\ (?:space|a\ roo
     | \blevels?\ of\ (?:light|noise|error|detail|bright|accuracy) | \b(?:light|noise)\ levels?\b
     | \bas\ seen\ (?:above|below|before)\b | \b(?:has|have)\ (?:been\ )?seen\b
     | \bguidelines?\b | \b(?:user's|this)\ guide\b""", re.VERBOSE | re.IGNORECASE)
-# The words of one meaning that are looked for on pages, what may stand there, and code on them.
-PAGE_TERMS = ["Place", "Room", "Shared"]
-PLACES = r"(?:has|with|begins with) (?:its|the) place\b|the place of the error"
+# The words of one meaning on pages, which may have any subject: what may stand there in this
+# meaning. A part is a word of plain English outside of names.
+PAGE_TERMS = {
+    "Place": r"(?:has|with|begins with) (?:its|the) place\b|the place of the error"
+             r"|\bplaced by a transform|records are placed",
+    "Room": "", "Shared": "", "Probe": "", "Branch": "meaning for part, branch",
+    "Level": r"\b(?:each|every|finer|coarsest|next|last|second|two|its|the|largest|level by)"
+             r" levels?\b|\blevels whose|\blevels of (?:the|stride)|\blevel by level",
+    "Guide": r"\bguide-\w+|\bguid(?:ed|e) (?:rays|the rays)|\brays (?:are|were) guided"
+             r"|(?:not|is) guided|\bguiding by|\ba guide distributes|\| *guide *\||spectra guide",
+    "Curve": r"file of curves|\bcurves do not emit|(?:around|separate|and) curves|\(curves\)"
+             r"|meaning for curve",
+    "Group": r"of (?:a|the) group\b|the group's space",
+    "Preview": r"(?<!a )(?<!the )(?<!each )(?<!its )\bpreview\b",
+    "View": r"(?:angle|field|direction) of view|(?:in|into|its|the|one|all|each|of|two|several"
+            r"|list of"
+            r"|another|same|first|second|where|or|this|many|three) views?\b|\bview I+\b"
+            r"|along the view",
+    "Seen": r"\bseen (?!(?:by|from|of) (?:the |a |each )?(?:light|lamp|record|point|cell|photon))"
+            r"|\bseen[.,;:|)]|\bseen$",
+    "Job": r"\bjobs?\b",
+}
 QUOTED = re.compile(r"```.*?```|`[^`]*`", re.DOTALL)
 WRONG_PAGES = ["The light at many places of a wall.", "There is no room for it.", "It shares rays.",
-               "The level of noise rises."]
+               "The level of noise rises.", "The processor's branch.", "A curve of errors.",
+               "Some groups of rays.", "The preview is written.", "A probe of a record.",
+               "The direct view.", "What is seen from a point.", "It guides the eye.",
+               "A level is noise."]
 # Lines that must be found wrong, and lines that must not.
 WRONG = [("src/photon/photon.h", "int KEEP_ALL;"), ("src/light/light.h", "weigh_leaf(x);"),
          ("src/load/load.c", "vec3 place;"), ("src/guide/guide.h", "float seen_fraction;"),
@@ -201,6 +262,9 @@ LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 SAYS = re.compile(r'//[^\n]*|/\*.*?\*/|#include[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 PYTHON_SAYS = re.compile(r'"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\''
                          r"|#[^\n]*", re.DOTALL)
+JS_SAYS = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])* (?:\\.|[^"\\\n])*"', re.DOTALL)
+# The suffixes of pages, of which code is left out.
+PAGES = {".md", ".1", ".toml", ".html", ".js"}
 # Ways to begin a comment that cannot be read alone; the second line is about its first line only.
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
                  r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
@@ -299,18 +363,32 @@ def wrong_text(text, name):
 
 
 def wrong_page(text, name):
-    """Words of one meaning on a page, which may have any subject: only those that have one subject,
-    or stand in a phrase of another meaning. Code on the page is not read."""
+    """Words of one meaning on a page outside of the phrases where they have it. Code on the page is
+    not read."""
     text = LINE_END.sub(" ", QUOTED.sub(" ", text))
-    for term in PAGE_TERMS:
+    for term, right in PAGE_TERMS.items():
         words, _, elsewhere = IN_TEXT[term]
-        rest = re.sub("|".join(filter(None, [elsewhere, PLACES])), "", text, flags=re.IGNORECASE)
-        found = re.search(rf"(?<![\w/-])(?:{words})(?![\w/])", rest, re.IGNORECASE)
+        allowed = "|".join(filter(None, [elsewhere if term in ("Place", "Room", "Shared") else "",
+                                         right]))
+        rest = re.sub(allowed, " ", text, flags=re.IGNORECASE) if allowed else text
+        found = re.search(rf"(?<![\w/-])(?:{words})(?![\w/-])", rest, re.IGNORECASE)
         if found:
             yield f"{name}: '{found.group()}' is not what docs/glossary.md calls {term}"
     found = OTHER_MEANING.search(text)
     if found:
         yield f"{name}: '{found.group()}' has another meaning than in docs/glossary.md"
+
+
+def said_on(path):
+    """What a page says: of a program's file its comments and texts."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".toml":
+        return "\n".join(re.findall(r"#[^\n]*", text))
+    if path.suffix == ".js":
+        return "\n".join(JS_SAYS.findall(text))
+    if path.suffix == ".html":
+        return re.sub(r"<!--|-->|<[^>]*>", " ", re.sub(r"<style.*?</style>", " ", text, flags=re.S))
+    return text.replace("\\-", "-")
 
 
 def wrong_meanings(text, name):
@@ -383,8 +461,8 @@ def main():
         if name.startswith(("src/", "include/")) and path.suffix in CODE \
                 or name.startswith(OUTSIDE) and path.suffix in CODE | {".py"}:
             wrong += wrong_meanings(path.read_text(encoding="utf-8"), name)
-        if path.suffix == ".md":
-            wrong += wrong_page(path.read_text(encoding="utf-8"), name)
+        if path.suffix in PAGES:
+            wrong += wrong_page(said_on(path), name)
     wrong += wrong_glossary(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0

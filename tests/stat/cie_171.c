@@ -22,7 +22,7 @@ struct cie_method {
     int seeds;  // number of images whose mean is taken: 8 where one has a noise of .3 to .5 %
 };
 
-// The illuminance of the wall in view [lx].
+// The illuminance of the wall in the image [lx].
 static double illuminance(const char *file, const char *rho, const struct cie_method *method) {
     double mean = 0.0;
     const satin_define define = {"rho", rho};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves through keyframes: they pass through all of them, without jumps of position or speed.
+// Splines through keyframes: they pass through all of them, without jumps of position or speed.
 #include "animation/animation.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ enum { KEYS = 6 };
 static const double AT[KEYS] = {3, 10, 12, 13, 20, 60};
 
 // The largest jump of f and of its difference quotient over an interval, in steps of h.
-static void curve_jumps(double (*f)(double x), double *jump, double *slope_jump) {
+static void spline_jumps(double (*f)(double x), double *jump, double *slope_jump) {
     const double h = 1e-4;
     *jump = *slope_jump = 0.0;
     for (double x = AT[0] + h; x < AT[KEYS - 1] - h; x += h) {
@@ -25,18 +25,18 @@ static void curve_jumps(double (*f)(double x), double *jump, double *slope_jump)
 }
 
 static const double VALUES[KEYS] = {1, 5, 5.5, 5.5, 2, 40};
-static double curve_value(double x) { return animation_value(KEYS, AT, VALUES, x); }
+static double spline_value(double x) { return animation_value(KEYS, AT, VALUES, x); }
 
 static void a_value_stays_between_its_neighbours(void **state) {
     (void)state;
-    for (int i = 0; i < KEYS; i++) assert_true(fabs(curve_value(AT[i]) - VALUES[i]) < 1e-12);
+    for (int i = 0; i < KEYS; i++) assert_true(fabs(spline_value(AT[i]) - VALUES[i]) < 1e-12);
     for (int i = 0; i + 1 < KEYS; i++) {
         const double lo = fmin(VALUES[i], VALUES[i + 1]), hi = fmax(VALUES[i], VALUES[i + 1]);
         for (double x = AT[i]; x < AT[i + 1]; x += 0.01)
-            assert_true(curve_value(x) >= lo - 1e-12 && curve_value(x) <= hi + 1e-12);
+            assert_true(spline_value(x) >= lo - 1e-12 && spline_value(x) <= hi + 1e-12);
     }
     double jump, slope;
-    curve_jumps(curve_value, &jump, &slope);
+    spline_jumps(spline_value, &jump, &slope);
     // No slope is above 10 per frame here, and none changes by more than 10 per frame and frame.
     assert_true(jump < 1e-3 && slope < 1e-3);
     const double one[1] = {7};
@@ -46,23 +46,23 @@ static void a_value_stays_between_its_neighbours(void **state) {
 // The third and the fourth point are equal: the camera rests there.
 static const double POINTS[KEYS][3] = {{0, 0, 0}, {1, 2, 0}, {8, 2, 1},
                                        {8, 2, 1}, {8, 0, 0}, {0, 0, 5}};
-static int curve_axis;
-static double curve_coordinate(double x) {
+static int spline_axis;
+static double spline_coordinate(double x) {
     double knot[KEYS], out[3];
     animation_knots(KEYS, POINTS, knot);
     animation_point(KEYS, AT, POINTS, knot, x, out);
-    return out[curve_axis];
+    return out[spline_axis];
 }
 
 static void a_point_passes_through_its_keyframes(void **state) {
     (void)state;
-    for (curve_axis = 0; curve_axis < 3; curve_axis++) {
+    for (spline_axis = 0; spline_axis < 3; spline_axis++) {
         for (int i = 0; i < KEYS; i++)
-            assert_true(fabs(curve_coordinate(AT[i]) - POINTS[i][curve_axis]) < 1e-12);
+            assert_true(fabs(spline_coordinate(AT[i]) - POINTS[i][spline_axis]) < 1e-12);
         for (double x = AT[2]; x <= AT[3]; x += 0.01)
-            assert_true(curve_coordinate(x) == POINTS[2][curve_axis]);
+            assert_true(spline_coordinate(x) == POINTS[2][spline_axis]);
         double jump, slope;
-        curve_jumps(curve_coordinate, &jump, &slope);
+        spline_jumps(spline_coordinate, &jump, &slope);
         assert_true(jump < 2e-3 && slope < 5e-3);
     }
 }

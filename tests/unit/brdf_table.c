@@ -98,7 +98,7 @@ static void orders_bound_what_is_reflected(void **state) {
     free(points);
 }
 
-static void sharp_edges_at_grazing_views_are_not_held(void **state) {
+static void sharp_edges_at_grazing_angles_are_not_held(void **state) {
     (void)state;
     struct brdf b = ward(0.6f, 0.25f);
     struct brdf_table *table = test_brdf_table_build(&b, SATIN_HSH, 10, 0.01f, 2);
@@ -165,7 +165,7 @@ static void lookups_agree_with_projection(void **state) {
 }
 
 // Constant light has one hemispherical coefficient, sqrt(2 pi), so the dot product is the glossy
-// albedo; that of Phong at normal view is exactly 1.
+// albedo; that of Phong at normal incidence is exactly 1.
 static void constant_light_gives_the_albedo(void **state) {
     (void)state;
     float c[300];
@@ -261,7 +261,7 @@ static void threads_make_no_difference_and_building_can_be_cancelled(void **stat
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(orders_bound_what_is_reflected),
-        cmocka_unit_test(sharp_edges_at_grazing_views_are_not_held),
+        cmocka_unit_test(sharp_edges_at_grazing_angles_are_not_held),
         cmocka_unit_test(lookups_agree_with_projection),
         cmocka_unit_test(constant_light_gives_the_albedo),
         cmocka_unit_test(channels_stay_apart),

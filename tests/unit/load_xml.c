@@ -177,7 +177,7 @@ static void files_are_included(void **state) {
     assert_int_equal(c.errors, 1);
 }
 
-// Includes that branch three times in every file stop at the bound on files.
+// Files that include three others each stop at the bound on files.
 static void includes_are_bounded(void **state) {
     (void)state;
     struct scene_case c;

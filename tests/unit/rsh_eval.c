@@ -101,8 +101,9 @@ static void kernels_equal_the_plain_twin(void **state) {
                 for (size_t i = 0; i <= nn * count; i++)
                     assert_true(fabsf(many[0][i] - many[1][i]) < 8e-6f);
                 for (size_t i = 0; i < size; i++) a[i] = b[i] = 1.0f;
-                plain->project(basis, n, count, d[0], d[1], d[2], value, a);
-                (*k)->project(basis, n, count, d[0], d[1], d[2], value, b);
+                plain->project(basis, n, count, (const float *const[3]){d[0], d[1], d[2]}, value,
+                               a);
+                (*k)->project(basis, n, count, (const float *const[3]){d[0], d[1], d[2]}, value, b);
                 for (size_t i = 0; i <= size; i++) assert_true(fabsf(a[i] - b[i]) < 1e-4f);
                 plain->accumulate(count, nn, many[0], value, a);
                 (*k)->accumulate(count, nn, many[0], value, b);

@@ -38,7 +38,7 @@ static inline struct log scene_case_begin(struct scene_case *c) {
 }
 
 static inline void scene_case_bytes(const char *name, const void *data, size_t size) {
-    assert_true(folder_case_made());  // the group has folder_case_setup
+    assert_true(folder_case_made());  // the tests have folder_case_setup
     FILE *file = fopen(name, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(data, 1, size, file), size);
