@@ -331,7 +331,7 @@ def wrong_identifiers(text, name):
         if tests:
             known = [] if name.endswith(".py") else allowed
             allowed = dict.fromkeys([*known, TEST_IDENTIFIERS[term]], "")
-        part = re.compile(rf"(?:^|_|(?<=[a-z])(?=[A-Z]))(?i:{words})(?:$|_|(?=[A-Z]))")
+        part = re.compile(rf"(?:^|_|(?<=[a-z])(?=[A-Z]))(?i:{words})(?:$|_|(?<=[a-z])(?=[A-Z]))")
         for identifier in sorted(filter(part.search, identifiers)):
             if not any(re.fullmatch(known, identifier) and re.match(where, name)
                        for known, where in allowed.items()):
