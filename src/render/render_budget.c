@@ -66,6 +66,11 @@ enum {
 static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
 // The fraction of the time of records for their first round, so that all pixels have some.
 static const double COVER_FRACTION = 0.5;
+// The largest fraction of the remaining time of that round for the search for a level's sites.
+static const double SEARCH_FRACTION = 0.25;
+// The least number of gather rays of an irradiance record. For a radiance record it is larger in
+// the ratio of the options' numbers of rays.
+static const float RAYS_LEAST = 32.0f;
 // The least time for a second round, in units of that of the first one. With 1, relMSE was .00049
 // instead of .00035 in a room with a glossy wall at 4 CPU seconds (200x200), and equal elsewhere;
 // with 0, .0104 instead of .0023 in a room with one vase at 1 CPU second.
@@ -220,6 +225,12 @@ void render_limit_records(struct render *r, const struct render_pace *measured) 
 
 double render_budget_first_round(const struct render *r) {
     return COVER_FRACTION * (r->progress.deadline - render_elapsed(r));
+}
+
+double render_budget_search(double left) { return SEARCH_FRACTION * left; }
+
+float render_budget_least_rays(const satin_options *o) {
+    return RAYS_LEAST / (float)o->irradiance_rays;
 }
 
 bool render_budget_next_round(const struct render *r, double seconds) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: the budgets, that is how much work a render does, and when. What divides time
 // between stages, or makes the work of a stage depend on time, photons made, pixels or the bounce,
-// is here and in render_budget.c; the rays of the first round of records, which follow from what it
-// has covered, are in render_covering.c. Four kinds of numbers are elsewhere:
-// options_quality.c has the values of the options by quality and by effort, which is the time per
-// pixel, and these are the base of all decisions; a stage has beside its code the constant size of
-// a sample by which it estimates something for itself, such as the paths that find what is seen;
+// is here and in render_budget.c. Five kinds of numbers are elsewhere: render_covering.c predicts
+// from what the first round has made how many records it will need, by the growth of data scenes;
+// options_quality.c has the values of the options by quality and by effort, which is core seconds
+// per pixel, and these are the base of all decisions; a stage has beside its code the constant size
+// of a sample by which it estimates something for itself, such as the paths that find what is seen;
 // the sizes of its blocks and batches, after one of which it takes the next; and how it distributes
 // the work that it is given among its own pixels or photons (render_adaptive_sampling.c,
 // photon_maps.c).
@@ -122,8 +122,11 @@ float render_budget_least_radius(float factor);
 // The largest factor of a at which records may be read by the image pass.
 float render_budget_largest_factor(const satin_options *options);
 
-// The seconds that the first round may still take.
+// The seconds that the first round may still take; of these, how many the search for the sites of a
+// level may take, if `left` remain; and the least fraction of the options' rays for its records.
 double render_budget_first_round(const struct render *r);
+double render_budget_search(double left);
+float render_budget_least_rays(const satin_options *options);
 // Whether another round should follow the first one, which took `seconds`. It takes longer, being
 // finer; without one there is more time for the image.
 bool render_budget_next_round(const struct render *r, double seconds);

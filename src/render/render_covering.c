@@ -18,18 +18,13 @@ static const double RECORDS_PER_SITE = 0.7;
 // The weight of earlier records in the speed, beside 1 of the last ones: rays of finer levels,
 // whose records are at edges and ornaments, take up to three times as long.
 static const double SPEED_FADES = 0.25;
-// The least number of gather rays of an irradiance record. For a radiance record it is larger in
-// the ratio of the options' numbers of rays.
-static const float RAYS_LEAST = 32.0f;
-// The largest fraction of the remaining time for the search for a level's sites.
-static const double SEARCH_FRACTION = 0.25;
 enum { RAYS_STEPS = 30 };  // steps of the search for their number, to the precision of a float
 
 // Rays are allocated so that the noise of all pixels is least: in proportion to the square root of
 // the area in which a record is used, that is to the stride of its level.
 float render_covering_rays(const satin_options *o, const struct render_covering *c, int stride) {
-    const float least = RAYS_LEAST / (float)o->irradiance_rays;
-    return fminf(fmaxf(c->rays * (float)stride / RENDER_COARSEST, least), 1.0f);
+    return fminf(fmaxf(c->rays * (float)stride / RENDER_COARSEST, render_budget_least_rays(o)),
+                 1.0f);
 }
 
 double render_covering_search(const struct render_covering *c, double pixels) {
@@ -37,7 +32,7 @@ double render_covering_search(const struct render_covering *c, double pixels) {
 }
 
 bool render_covering_pays(const struct render_covering *c, double pixels, double left) {
-    return !(render_covering_search(c, pixels) > SEARCH_FRACTION * left);
+    return !(render_covering_search(c, pixels) > render_budget_search(left));
 }
 
 // The typical growth of the level of a stride below RENDER_COARSEST.
