@@ -27,7 +27,7 @@
 enum {
     IRRADIANCE_CHUNK = 256,  // entries of a chunk
     TOGETHER = 8,            // of these, entries that are searched and evaluated together
-    IRRADIANCE_BATCH = 512,  // lookups of one call
+    IRRADIANCE_BATCH = PHOTON_VOXEL_LOOKUPS,  // lookups that are searched together
     RETRY_K = 16,   // neighbours that are searched if the nearest one has another orientation
     RETRY_ENDS = 4  // number of those in caustics, where entries are mostly on other surfaces then
 };
@@ -141,7 +141,7 @@ static float median_radius(const struct photon_irradiance *irradiance) {
     return sample[n / 2];
 }
 
-static void set_row(float *row, vec3 p, vec3 n, float scale) {
+void photon_entry_row_set(float row[6], vec3 p, vec3 n, float scale) {
     row[0] = p.x;
     row[1] = p.y;
     row[2] = p.z;
@@ -151,7 +151,7 @@ static void set_row(float *row, vec3 p, vec3 n, float scale) {
 }
 
 void photon_entry_position_set(struct photon_positions *positions, size_t i, vec3 p, vec3 n) {
-    set_row(positions->row + 6 * i, p, n, positions->scale);
+    photon_entry_row_set(positions->row + 6 * i, p, n, positions->scale);
 }
 
 // The scale of normals in the rows, which is positive and finite, so that normals can be read from
@@ -188,7 +188,8 @@ static bool index_rows(const struct photon_precompute *what, struct parallel *po
     r->far2 = far_of(what, r);
     if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, set_rows, &loop)) return false;
     r->index = photon_index_new(r->position.row, r->count, 6, &what->map->morton, pool);
-    return r->index != NULL;
+    if (!r->index) return false;
+    return r->ends || photon_voxels_build(r);  // light that ends is looked up seldom
 }
 
 // Computes all entries and counts those that are refused.
@@ -257,6 +258,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
 
 void photon_irradiance_free(struct photon_irradiance *irradiance) {
     photon_index_free(irradiance->index);
+    photon_voxels_free(&irradiance->voxels);
     free(irradiance->position.row);
     free(irradiance->E);
     free(irradiance->radius);
@@ -270,7 +272,7 @@ size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
     return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 2 * sizeof(float)) +
            (irradiance->ring ? irradiance->count * sizeof(float) : 0) +
            (irradiance->last ? irradiance->count * sizeof(rgb) : 0) +
-           photon_index_bytes(irradiance->index);
+           photon_index_bytes(irradiance->index) + photon_voxels_bytes(&irradiance->voxels);
 }
 
 // ---- Lookups ----------------------------------------------------------------------------------
@@ -329,9 +331,10 @@ static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
 // The nearest of a few entries that has the orientation of n and is not behind a wall; -1 if there
 // is none. If `scene` is NULL, walls are ignored. Nearer ones are tested first, so that few rays
 // are traced.
-static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n,
+static int search_facing(const struct photon_irradiance *r, vec3 p, vec3 n,
                          const struct satin_scene *scene) {
-    const vec3 p = v3(query[0], query[1], query[2]);
+    float query[6];
+    photon_entry_row_set(query, p, n, r->position.scale);
     int row[RETRY_K];
     float distance2[RETRY_K];
     const int k = r->ends ? RETRY_ENDS : RETRY_K;
@@ -349,14 +352,28 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     }
 }
 
+// Finds the entries near `count` points, at most IRRADIANCE_BATCH: those of their voxels or, for
+// light that ends, the nearest ones; -1: there is none.
+static void look_up_entries(const struct photon_irradiance *r, const vec3 *p, const vec3 *n,
+                            size_t count, int *entry) {
+    if (r->voxels.scale) {
+        photon_voxel_find(r, p, n, count, entry);
+        return;
+    }
+    float query[6 * IRRADIANCE_BATCH], distance2[IRRADIANCE_BATCH];
+    for (size_t i = 0; i < count; i++) {
+        entry[i] = -1;
+        photon_entry_row_set(query + 6 * i, p[i], n[i], r->position.scale);
+    }
+    if (r->count > 0) photon_index_nearest(r->index, query, count, 1, r->far2, entry, distance2);
+}
+
 int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
-    float query[6], distance2;
     int row;
     if (r->count == 0) return -1;
-    set_row(query, p, n, r->position.scale);
-    photon_index_nearest(r->index, query, 1, 1, r->far2, &row, &distance2);
+    look_up_entries(r, &p, &n, 1, &row);
     if (row >= 0 && r->ends && is_far(r, row, p)) return -1;
-    return row >= 0 && !has_orientation(r, row, n) ? search_facing(r, query, n, NULL) : row;
+    return row >= 0 && !has_orientation(r, row, n) ? search_facing(r, p, n, NULL) : row;
 }
 
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
@@ -406,15 +423,10 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
     const size_t count = lookups->count;
     const vec3 *p = lookups->p, *n = lookups->n;
     struct ray ray;
-    float query[6 * IRRADIANCE_BATCH], distance2[IRRADIANCE_BATCH];
     int row[IRRADIANCE_BATCH];
     for (size_t at = 0; at < count; at += IRRADIANCE_BATCH) {
         size_t batch = count - at < IRRADIANCE_BATCH ? count - at : IRRADIANCE_BATCH;
-        for (size_t i = 0; i < batch; i++) {
-            row[i] = -1;
-            set_row(query + 6 * i, p[at + i], n[at + i], r->position.scale);
-        }
-        if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, r->far2, row, distance2);
+        look_up_entries(r, p + at, n + at, batch, row);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
             if (i + AHEAD < batch) prefetch_entry(r, row[i + AHEAD]);
@@ -423,8 +435,7 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
                  (ray_to_entry(&r->position, scene, (size_t)row[i], p[j], n[j], &ray) &&
                   scene_occluded(scene, &ray))))
                 // If that entry is far, continuing paths is faster than a longer search.
-                row[i] =
-                    is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
+                row[i] = is_far(r, row[i], p[j]) ? -1 : search_facing(r, p[j], n[j], scene);
             lookups->E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
                                     fraction_within(r, row[i], lookups->segments));
             lookups->radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
@@ -448,7 +459,10 @@ rgb photon_irradiance_of_entry(const struct photon_maps *maps, size_t entry) {
 }
 
 float photon_irradiance_area(const struct photon_maps *maps, size_t entry) {
-    const struct photon_irradiance *r = &maps->irradiance;
+    return photon_irradiance_entry_area(&maps->irradiance, entry);
+}
+
+float photon_irradiance_entry_area(const struct photon_irradiance *r, size_t entry) {
     return PI_F * sqrf(r->radius[entry]) * r->fade2 / FADE;
 }
 

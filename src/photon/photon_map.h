@@ -6,6 +6,7 @@
 #include "photon/photon.h"
 #include "photon/photon_index.h"
 #include "photon/photon_morton.h"
+#include "photon/photon_voxel.h"
 
 enum {
     PHOTON_K_MAX = 10000,  // largest number of photons of a density estimate, the limit of
@@ -237,6 +238,8 @@ static inline vec3 photon_entry_position(const struct photon_positions *position
     const float *q = positions->row + 6 * i;
     return v3(q[0], q[1], q[2]);
 }
+// Sets a row of the search index, or a query.
+void photon_entry_row_set(float row[6], vec3 p, vec3 n, float scale);
 void photon_entry_position_set(struct photon_positions *positions, size_t i, vec3 p, vec3 n);
 // Whether a wall separates position i from p, a point on a surface with normal n.
 bool photon_entry_position_hidden(const struct photon_positions *positions,
@@ -256,6 +259,7 @@ struct photon_irradiance {
     float far2;        // squared distance of rows beyond which no entry is used
     float radius_max;  // that of the map
     struct photon_index *index;
+    struct photon_voxels voxels;
 };
 
 // Parameters of the precomputation of irradiance.
@@ -281,6 +285,8 @@ satin_status photon_caustic_smooth(const struct photon_precompute *what, struct 
                                    struct photon_irradiance *irradiance);
 void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
+// As photon_irradiance_area.
+float photon_irradiance_entry_area(const struct photon_irradiance *irradiance, size_t entry);
 // The entry that is read at p on the side of n, or -1.
 int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, vec3 n);
 // Whether the entry's position is visible from p, along a ray a little above the surface.
