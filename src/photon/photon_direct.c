@@ -7,32 +7,41 @@
 #include "base/array.h"
 #include "photon/photon_map.h"
 
-enum { DIRECT_CHUNK = 1024 };  // photons per chunk
+enum { DIRECT_CHUNK = 256 };  // photons per chunk
 
 struct direct_lookup {
-    const struct photon_irradiance *irradiance;
+    const struct photon_maps *maps;
+    const struct satin_scene *scene;
     const struct photon_trace *direct;
     int *entry;  // of each photon
 };
 
+// Finds the entries as gather rays do that hit the photons' positions: an entry behind a wall would
+// get photons that its readers do not see, and those that read another one would miss them.
+
 static void find_entries(void *ctx, size_t begin, size_t end, int worker) {
     const struct direct_lookup *lookup = ctx;
     (void)worker;
+    vec3 p[DIRECT_CHUNK], n[DIRECT_CHUNK];
+    rgb E[DIRECT_CHUNK];
+    float radius[DIRECT_CHUNK];
     for (size_t i = begin; i < end; i++) {
-        const struct photon_hit *hit = &lookup->direct->hit[i];
-        lookup->entry[i] =
-            photon_irradiance_entry(lookup->irradiance, hit->p, photon_unpack(hit->n));
+        p[i - begin] = lookup->direct->hit[i].p;
+        n[i - begin] = photon_unpack(lookup->direct->hit[i].n);
     }
+    const struct photon_lookups lookups = {end - begin, p, n, 0, E, radius, lookup->entry + begin};
+    photon_irradiance_many(lookup->maps, lookup->scene, &lookups);
 }
 
-satin_status photon_direct_build(const struct photon_irradiance *irradiance,
+satin_status photon_direct_build(const struct photon_maps *maps, const struct satin_scene *scene,
                                  const struct photon_trace *direct, struct parallel *pool,
                                  struct log log, struct photon_direct **out) {
     *out = NULL;
-    if (direct->count == 0 || irradiance->count == 0) return SATIN_OK;
-    struct photon_direct *sum = array_new(irradiance->count, sizeof *sum);
+    const size_t entries = maps->irradiance.count;
+    if (direct->count == 0 || entries == 0) return SATIN_OK;
+    struct photon_direct *sum = array_new(entries, sizeof *sum);
     int *entry = array_new(direct->count, sizeof *entry);
-    struct direct_lookup lookup = {irradiance, direct, entry};
+    struct direct_lookup lookup = {maps, scene, direct, entry};
     satin_status status = SATIN_OK;
     if (!sum || !entry)
         status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for direct photons");

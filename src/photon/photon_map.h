@@ -299,9 +299,10 @@ rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entr
 
 // ---- Direct light at entries (photon_direct.c) --------------------------------------------------
 
-// Sums the direct photons nearest to each entry. *out has one item per entry, from malloc; it is
-// NULL if there are no photons or entries. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
-satin_status photon_direct_build(const struct photon_irradiance *irradiance,
+// Sums the direct photons where each entry is read, given the global map of `maps`. *out has one
+// item per entry, from malloc; it is NULL if there are no photons or entries. SATIN_CANCELLED or
+// SATIN_ERROR_MEMORY.
+satin_status photon_direct_build(const struct photon_maps *maps, const struct satin_scene *scene,
                                  const struct photon_trace *direct, struct parallel *pool,
                                  struct log log, struct photon_direct **out);
 size_t photon_direct_bytes(const struct photon_maps *maps);

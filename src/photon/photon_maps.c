@@ -153,7 +153,7 @@ static satin_status build_global(const struct photon_pass *pass, struct photon_m
     const double start = stats_wall();
     if (status == SATIN_OK)
         status =
-            photon_direct_build(&maps->irradiance, &direct, pass->pool, pass->log, &maps->direct);
+            photon_direct_build(maps, pass->scene, &direct, pass->pool, pass->log, &maps->direct);
     photon_trace_free(&direct);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
     return status;

@@ -7,6 +7,8 @@
 #include "photon_case.h"
 #include "test_scene.h"
 
+static const float BALL = 0.06f;  // radius of a ball beside a beam
+
 // A cube of half side 1 around a light, its photons, and the table of direct light at their
 // entries.
 struct lit_cube {
@@ -15,9 +17,17 @@ struct lit_cube {
     struct gather_direct direct;
 };
 
-static void lit_cube_make(struct lit_cube *cube, struct light light, int64_t photons) {
+// A black ball touches the wall at z = -1, .04 `beside` this point, which may be NULL.
+static void lit_cube_with(struct lit_cube *cube, struct light light, int64_t photons,
+                          const vec3 *beside) {
     test_scene_init(&cube->t);
-    test_cube(&cube->t, mat4_identity(), true, test_diffuse(&cube->t, .5f, .5f, .5f));
+    const uint32_t grey = test_diffuse(&cube->t, .5f, .5f, .5f);
+    test_cube(&cube->t, mat4_identity(), true, grey);
+    if (beside) {
+        const vec3 centre = v3_add(*beside, v3(0.04f + BALL, 0.0f, BALL));
+        test_quadric(&cube->t, SHAPE_SPHERE, test_transform(centre, v3(BALL, BALL, BALL)), false,
+                     test_diffuse(&cube->t, 0, 0, 0));
+    }
     test_light(&cube->t, light);
     test_scene_finish(&cube->t);
     satin_options o = satin_options_default;
@@ -30,6 +40,10 @@ static void lit_cube_make(struct lit_cube *cube, struct light light, int64_t pho
     assert_int_equal(gather_direct_build(&g, pool, &cube->direct), SATIN_OK);
     assert_int_equal(cube->direct.count, photon_irradiance_count(cube->maps));
     parallel_free(pool);
+}
+
+static void lit_cube_make(struct lit_cube *cube, struct light light, int64_t photons) {
+    lit_cube_with(cube, light, photons, NULL);
 }
 
 static void lit_cube_free(struct lit_cube *cube) {
@@ -87,25 +101,29 @@ static void edges_of_spots_are_not_read(void **state) {
     lit_cube_free(&cube);
 }
 
-// A beam that is narrower than the entries' spacing, in eight directions: most fall between
-// entries, whose neighbours are dark, and some on one. No entry that would be read in the patch may
-// be read.
-static void beams_between_entries_are_found(void **state) {
-    (void)state;
+// Beams that are narrower than the entries' spacing.
+struct beams {
+    size_t points, read;  // in the lit patches: points with an entry, and those at which it is read
+    size_t without;       // those whose entry has no direct photons
+    size_t between;       // beams in which there is no entry
+};
+
+// One in eight directions, each with a ball beside its patch if `ball`.
+static struct beams read_beams(bool ball, int64_t photons) {
     const float cosine = 0.9998f, radius = sqrtf(1.0f / (cosine * cosine) - 1.0f);
-    size_t points = 0, read = 0, between = 0;
+    struct beams out = {0};
     for (int beam = 0; beam < 8; beam++) {
-        const vec3 centre = v3(0.11f * (float)beam - 0.4f, 0.07f * (float)beam - 0.2f, -1.0f);
+        const vec3 centre = v3(0.05f * (float)beam - 0.2f, 0.03f * (float)beam - 0.1f, -1.0f);
         const struct light spot = {.kind = LIGHT_SPOT,
                                    .direction = v3_unit(centre),
                                    .value = rgb_grey(1000.0f),
                                    .cos_cutoff = cosine,
                                    .cos_beam = cosine};
         struct lit_cube cube = {0};
-        lit_cube_make(&cube, spot, 10000);
+        lit_cube_with(&cube, spot, photons, ball ? &centre : NULL);
         size_t lit = 0;
         for (size_t i = 0; i < cube.direct.count; i++) lit += cube.direct.E[i].g > 0.0f;
-        between += lit == 0;
+        out.between += lit == 0;
         for (int k = 0; k < 64; k++) {
             const float r = 0.9f * radius * sqrtf(((float)k + 0.5f) / 64.0f),
                         angle = 2.4f * (float)k;
@@ -113,15 +131,34 @@ static void beams_between_entries_are_found(void **state) {
             float estimate;
             int entry;
             photon_irradiance_at(cube.maps, &cube.t.scene, p, v3(0, 0, 1), &estimate, &entry);
-            points += entry >= 0;
-            read += entry >= 0 && cube.direct.similar[entry];
+            out.points += entry >= 0;
+            out.read += entry >= 0 && cube.direct.similar[entry];
+            out.without += entry >= 0 && !(photon_direct_at(cube.maps, (size_t)entry).power > 0.0f);
         }
         lit_cube_free(&cube);
     }
-    print_message("%zu of 8 beams fall between entries; %zu of %zu points read\n", between, read,
-                  points);
-    assert_true(between >= 4 && points > 256);
-    assert_int_equal(read, 0);
+    print_message(
+        "%zu of 8 beams fall between entries; %zu of %zu points read, %zu without photons\n",
+        out.between, out.read, out.points, out.without);
+    return out;
+}
+
+// Most beams fall between entries, whose neighbours are dark, and some on one. No entry that would
+// be read in a patch may be read.
+static void beams_between_entries_are_found(void **state) {
+    (void)state;
+    const struct beams found = read_beams(false, 10000);
+    assert_true(found.between >= 4 && found.points > 256);
+    assert_int_equal(found.read, 0);
+}
+
+// The nearest entry may be behind the ball, and another one is read, which has the photons then.
+static void beams_beside_balls_are_found(void **state) {
+    (void)state;
+    const struct beams found = read_beams(true, 1500);
+    assert_true(found.points > 200);
+    assert_int_equal(found.read, 0);
+    assert_int_equal(found.without, 0);
 }
 
 // Maps without photons have no entries.
@@ -138,6 +175,7 @@ int main(void) {
         cmocka_unit_test(a_point_light_is_exact),
         cmocka_unit_test(edges_of_spots_are_not_read),
         cmocka_unit_test(beams_between_entries_are_found),
+        cmocka_unit_test(beams_beside_balls_are_found),
         cmocka_unit_test(empty_maps_have_no_entries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
