@@ -28,7 +28,7 @@ struct photon_pass {
     struct parallel *pool;
     struct log log;
     struct stats *stats;
-    struct guide_seen seen;
+    struct guide_seen boxes;  // of what the eye sees
     struct guide_allocation allocation;
 };
 
@@ -166,7 +166,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     struct guide_emission *emission = NULL;
     double start = stats_wall();
     parallel_begin_part(pass->pool, "trace");
-    struct guide_emission_request request = {pass->scene, &pass->seen, o->seed,
+    struct guide_emission_request request = {pass->scene, &pass->boxes, o->seed,
                                              pass->paths.caustic};
     satin_status status = guide_emission_build(&request, pass->pool, pass->log, &emission);
     stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
@@ -207,9 +207,9 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
                                .log = log,
                                .stats = stats};
     parallel_begin_part(pool, "seen");
-    guide_seen_make(scene, options->seed, pass.paths.seen, pool, &pass.seen);
+    guide_seen_make(scene, options->seed, pass.paths.seen, pool, &pass.boxes);
     guide_allocation_make(scene, options->seed, pass.paths.seen, pool, &pass.allocation);
-    maps->lookup_max = LOOKUP_FRACTION * pass.seen.ray_length;
+    maps->lookup_max = LOOKUP_FRACTION * pass.boxes.ray_length;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
     if (status != SATIN_OK) {

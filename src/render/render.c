@@ -6,15 +6,6 @@
 
 #include "render/render_image.h"
 
-// Allocates the image first, so that memory does not run out after all other work is done.
-static satin_status allocate_image(struct render *r) {
-    const struct scene_film *film = &r->scene.film;
-    r->image = render_image_new(&r->scene, &r->options);
-    if (r->image) return SATIN_OK;
-    return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
-                    film->crop_width, film->crop_height);
-}
-
 static satin_status start_threads(struct render *r) {
     r->pool = parallel_new(r->options.threads);
     if (!r->pool) return log_fail(r->log, SATIN_ERROR_MEMORY, "threads could not be started");
@@ -38,7 +29,8 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     if (status != SATIN_OK) return status;
     for (uint32_t i = 0; i < scene_camera_count(&r->scene); i++)
         if (scene_camera_check(&r->scene, scene_camera_at(&r->scene, i), r->log)) break;
-    status = allocate_image(r);
+    // Now, so that memory does not run out after all other work is done.
+    status = render_image_renew(r);
     if (status == SATIN_OK) render_budget_begin(r);
     return status;
 }
@@ -47,9 +39,7 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
 static satin_status make_image_of_paths(struct render *r) {
     log_message(r->log, SATIN_LOG_WARNING,
                 "the time is too short for photons here: paths are traced instead");
-    render_image_free(r->image);
-    r->image = render_image_new(&r->scene, &r->options);
-    return r->image ? SATIN_OK : SATIN_ERROR_MEMORY;
+    return render_image_renew(r);
 }
 
 // Traces photons and makes the first-pass radiance estimate that gather rays read at their hits. If
@@ -178,12 +168,6 @@ static satin_status make_frames(struct render *r, satin_status status) {
     return render_checkpoint_check(r, status);
 }
 
-// The status of a render whose images are complete.
-static satin_status outcome_of(const struct render *r, satin_status status) {
-    if (status == SATIN_OK) status = r->outcome.saved;
-    return status == SATIN_OK ? r->outcome.checkpointed : status;
-}
-
 satin_status satin_render(const satin_scene *scene, const satin_options *options,
                           const satin_callbacks *callbacks, satin_film **out) {
     if (!scene || !options || !out) return SATIN_ERROR_ARGUMENT;
@@ -202,12 +186,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
         status = make_frames(r, status);
     else if (r)
         status = make_image(r, status, &film);
-    if (r) status = outcome_of(r, status);
-    if (status == SATIN_ERROR_MEMORY && !(r && r->outcome.error_logged)) {
-        const struct log log = {callbacks ? callbacks->log : NULL,
-                                callbacks ? callbacks->log_user : NULL};
-        log_message(log, SATIN_LOG_ERROR, "not enough memory");
-    }
+    status = render_final_status(r, callbacks, status);
     render_free(r);
     if (film) *out = film;
     return status;

@@ -196,10 +196,8 @@ bool render_frame_next(struct render *r, satin_status *status) {
     if (f->begun == 1 || a->moved) return true;
     render_snapshot_free(r->snapshot);
     r->snapshot = NULL;
-    render_image_free(r->image);
-    r->image = render_image_new(&r->scene, &r->options);
-    if (!r->image) *status = SATIN_ERROR_MEMORY;
-    return r->image != NULL;
+    *status = render_image_renew(r);
+    return *status == SATIN_OK;
 }
 
 satin_status render_frame_scene(struct render *r, satin_scene **scene) {

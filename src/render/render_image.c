@@ -56,6 +56,15 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     return NULL;
 }
 
+satin_status render_image_renew(struct render *r) {
+    const struct scene_film *film = &r->scene.film;
+    render_image_free(r->image);
+    r->image = render_image_new(&r->scene, &r->options);
+    if (r->image) return SATIN_OK;
+    return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
+                    film->crop_width, film->crop_height);
+}
+
 void render_image_free(struct render_image *image) {
     if (!image) return;
     render_adaptive_destroy(&image->adapt);

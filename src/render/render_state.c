@@ -20,6 +20,17 @@ struct render *render_new(const satin_callbacks *callbacks) {
     return r;
 }
 
+satin_status render_final_status(const struct render *r, const satin_callbacks *callbacks,
+                                 satin_status status) {
+    if (status == SATIN_OK) status = r->outcome.saved;
+    if (status == SATIN_OK) status = r->outcome.checkpointed;
+    if (status != SATIN_ERROR_MEMORY || (r && r->outcome.error_logged)) return status;
+    const struct log log = {callbacks ? callbacks->log : NULL,
+                            callbacks ? callbacks->log_user : NULL};
+    log_message(log, SATIN_LOG_ERROR, "not enough memory");
+    return status;
+}
+
 void render_free(struct render *r) {
     if (!r) return;
     render_snapshot_free(r->snapshot);

@@ -153,6 +153,10 @@ static inline bool render_cancelled(const struct render *r) {
 // NULL if there is no memory. `callbacks` may be NULL.
 struct render *render_new(const satin_callbacks *callbacks);
 void render_free(struct render *r);  // NULL is allowed
+// The status of a render that has ended: its own or, if its images are complete, that of writing
+// its records and checkpoint. Logs that there is no memory, if nothing was logged. r may be NULL.
+satin_status render_final_status(const struct render *r, const satin_callbacks *callbacks,
+                                 satin_status status);
 
 // ---- render_options.c: options and scene hints -> what is rendered
 satin_status render_resolve(struct render *r, const struct satin_scene *scene,
@@ -334,15 +338,17 @@ satin_status render_adaptive_cache(struct render *r);
 satin_status render_coarse(struct render *r);
 
 // ---- render_image.c
-// Makes what the image and the search for sites need. `cache` may be NULL if the course does not
-// interpolate. SATIN_ERROR_MEMORY.
+// Makes what the image and the search for sites need. Samples interpolate between the records of
+// the cache; NULL: they gather. SATIN_ERROR_MEMORY.
 satin_status render_shading(struct render *r, const struct cache *cache);
 // The most bytes of an image and its film, with the snapshots of the callbacks.
 double render_image_bytes(const struct satin_scene *scene, const satin_options *options,
                           const satin_callbacks *callbacks);
 struct render_image *render_image_new(const struct satin_scene *scene,
                                       const satin_options *options);
-void render_image_free(struct render_image *image);
+void render_image_free(struct render_image *image);  // NULL is allowed
+// Replaces the image by an empty one, for the options as they are now. SATIN_ERROR_MEMORY, logged.
+satin_status render_image_renew(struct render *r);
 // Adds samples until every pixel has options.spp, or until the loop is stopped.
 satin_status render_image_fill(struct render *r);
 
