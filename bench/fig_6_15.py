@@ -41,6 +41,7 @@ def main():
             # Every alpha is cached, also those that harmonics hold less well.
             image, stats = runs.render(options, SCENE, f"{name}-{fill}", "-D", "alpha=" + alpha,
                                        "--set", "adaptive-cache=" + switch, "--set",
+                                       "radiance-curvature-clamp=off", "--set",
                                        "material-cache=floor=on", "--spp", "64", "--set",
                                        "adaptive-sampling=off")
             relmse, _ = runs.error(options, image, name)

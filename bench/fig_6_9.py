@@ -24,7 +24,7 @@ def main():
         placement.Placement(
             options, name, "radiance", "indirect_glossy",
             ("radiance-cache=off", "glossy-samples=32"),
-            ("radiance-max-pixels=100000", "radiance-widen=1"),
+            ("radiance-max-pixels=100000", "radiance-widen=1", "radiance-curvature-clamp=off"),
         ).compare(options.a, "adaptive-cache=on", "adaptive-cache=off", 0.1)
 
 

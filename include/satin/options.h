@@ -140,6 +140,7 @@ typedef struct satin_options {
     float radiance_widen;  // the image pass interpolates with a times this factor, 1 to 2
     satin_radius radiance_radius;   // not SATIN_RADIUS_HESSIAN
     bool radiance_gradient_clamp;   // R is limited to where the gradient is valid [K05 6.5.1]
+    bool radiance_curvature_clamp;  // R is limited to where reflected light is almost linear
     bool radiance_neighbour_clamp;  // R of two records differ by at most their distance [K05 6.5.2]
     float radiance_min_pixels;      // least influence radius a R in projected pixels, 0 to 1000
     float radiance_max_pixels;      // largest influence radius a R in projected pixels, 1 to 100000

@@ -50,6 +50,7 @@ void cache_options_of(const satin_options *o, struct cache_options out[CACHE_KIN
                                .gradients = o->radiance_gradients,
                                .radius = o->radiance_radius,
                                .gradient_clamp = o->radiance_gradient_clamp,
+                               .curvature_clamp = o->radiance_curvature_clamp,
                                .neighbour_clamp = o->radiance_neighbour_clamp,
                                .min_pixels = o->radiance_min_pixels,
                                .max_pixels = o->radiance_max_pixels,

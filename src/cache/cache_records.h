@@ -57,6 +57,7 @@ struct cache_options {
     satin_gradients gradients;
     satin_radius radius;
     bool gradient_clamp, neighbour_clamp;
+    bool curvature_clamp;  // of radiance records alone
     float min_pixels, max_pixels;
     float max_radius;  // in scene units; 0: no limit
 };

@@ -24,6 +24,7 @@ struct gathered {
     uint32_t radiance_rays;
     struct cache_residual residual;
     struct gather_surroundings around;
+    float most;                 // R of a radiance record is at most this
     struct fill_extent extent;  // before it is limited by other records
     int refused;                // number of attempts that were not valid
     bool valid;                 // whether the last attempt was valid
@@ -202,20 +203,33 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
     for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
 }
 
+// The limit of R by the curvature of the light that the site reflects to the eye.
+static float curvature_limit(const struct batch *b, const struct batch_member *member,
+                             const struct gather_hemisphere *hemisphere) {
+    const struct fill_site *s = member->site;
+    const struct cache_options *o = &b->store->options;
+    if (!s->glossy.table || !o->curvature_clamp) return INFINITY;
+    const float most = fminf(b->cache->scene->radius, o->max_pixels * s->pixel / o->a);
+    return fill_curvature_radius(hemisphere, &s->glossy, o->a,
+                                 fminf(member->found.around.harmonic, most),
+                                 fill_least_radius(b->fill, b->kind, s->pixel));
+}
+
 static void find_radiance(const struct batch *b, struct batch_member *member,
                           const struct gather_hemisphere *hemisphere) {
     find_surroundings(b, member, hemisphere);
     gather_hemisphere_radiance(hemisphere, b->store->options.gradients, &member->radiance);
     member->found.radiance_rays = member->radiance.rays;
     member->found.residual = find_residual(b, member, hemisphere);
+    member->found.most = curvature_limit(b, member, hemisphere);
 }
 
 static bool make_radiance(const struct batch *b, struct batch_member *member) {
     if (!fill_valid_radiance(&member->radiance, b->store->order, &member->found.around) ||
         !rgb_finite(member->found.residual.L))
         return false;
-    member->found.extent =
-        fill_extent_radiance(b->fill, member->site, &member->found.around, &member->radiance);
+    member->found.extent = fill_extent_radiance(b->fill, member->site, &member->found.around,
+                                                member->found.most, &member->radiance);
     interleave(&member->radiance, b->store->order * b->store->order, member->value);
     return true;
 }

@@ -109,7 +109,7 @@ static void lengths2(const struct gather_radiance *value, int n2, int channel, f
 }
 
 struct fill_extent fill_extent_radiance(const struct fill *fill, const struct fill_site *site,
-                                        const struct gather_surroundings *around,
+                                        const struct gather_surroundings *around, float most,
                                         struct gather_radiance *value) {
     const struct cache *cache = fill->cache;
     const struct cache_store *store = &cache->store[CACHE_RADIANCE];
@@ -119,7 +119,8 @@ struct fill_extent fill_extent_radiance(const struct fill *fill, const struct fi
     for (int c = 0; c < 3; c++) lengths2(value, n2, c, &size2[c], &slope2[c]);
     const float size = sqrtf(size2[0] + size2[1] + size2[2]);
     const float slope = sqrtf(slope2[0] + slope2[1] + slope2[2]);
-    struct fill_extent x = circle(limit_radius(by_distance(o->radius, around), cache, o));
+    struct fill_extent x =
+        circle(fminf(limit_radius(by_distance(o->radius, around), cache, o), most));
     // As for E, the vector may not change by more than its length within R. Measured where a wall
     // reflects a box near it: with this limit, half of the records are enough for the same error.
     if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit_extent(&x, size / slope);

@@ -51,13 +51,19 @@ struct fill_extent {
     float radius_ratio;  // R as it should be over R; below 1 where the least radius is larger
 };
 // The extent of a record from what its rays found around it [K05 3.3, 6.5.1]. Scales down the
-// gradients of *value if R is larger than the distance for which they are valid.
+// gradients of *value if R is larger than the distance for which they are valid. R of a radiance
+// record is at most `most`, unless the least radius is larger.
 struct fill_extent fill_extent_irradiance(const struct fill *fill, const struct fill_site *site,
                                           const struct gather_surroundings *around,
                                           struct cache_irradiance_value *value);
 struct fill_extent fill_extent_radiance(const struct fill *fill, const struct fill_site *site,
-                                        const struct gather_surroundings *around,
+                                        const struct gather_surroundings *around, float most,
                                         struct gather_radiance *value);
+// At most R: a radius within which the light that a record's lobes reflect to the eye is linear
+// enough for its gradient at accuracy a (fill_curvature.c). R below `least` is not reduced further.
+// The hemisphere is that of the record; its scratch is overwritten.
+float fill_curvature_radius(const struct gather_hemisphere *hemisphere,
+                            const struct fill_glossy *glossy, float a, float R, float least);
 // The least R of new records of a kind at a pixel width: the fraction of the options' least radius
 // in pixels, over a.
 float fill_least_radius(const struct fill *fill, enum cache_kind kind, float pixel);

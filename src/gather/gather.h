@@ -248,6 +248,11 @@ struct gather_hemisphere {
     float *work;       // 6 * all, scratch for computations on the hemisphere
 };
 
+// The weight of a ray in sums over all rays of a hemisphere of a uniform layout.
+static inline float gather_hemisphere_weight(const struct gather_hemisphere *h, size_t i) {
+    return h->all > h->count ? h->weight[i] : 1.0f;
+}
+
 // Allocates memory for up to `rays` rays, stratified and by glossy lobes, and half as many to
 // clusters. NULL if there is no memory.
 struct gather_hemisphere *gather_hemisphere_new(size_t rays);

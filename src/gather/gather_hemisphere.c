@@ -198,10 +198,6 @@ static void project(const struct gather_hemisphere *h, const float *r, const flo
                 h->y, h->z, r, g, b, lambda);
 }
 
-static float ray_weight(const struct gather_hemisphere *h, size_t i) {
-    return h->all > h->count ? h->weight[i] : 1.0f;
-}
-
 static void project_weighted(const struct gather_hemisphere *h, float *lambda) {
     if (h->all == h->count) {
         project(h, h->r, h->g, h->b, lambda);
@@ -223,7 +219,7 @@ static void project_noise(const struct gather_hemisphere *h, float *noise) {
     float *value = h->work, *zero = h->work + h->all;
     float sum[3 * RSH_MAX_COEFFICIENTS] = {0};
     for (size_t i = 0; i < h->all; i++) {
-        value[i] = weight * ray_weight(h, i) * rgb_luminance(h->L[i]);
+        value[i] = weight * gather_hemisphere_weight(h, i) * rgb_luminance(h->L[i]);
         zero[i] = 0.0f;
     }
     for (int j = 0; j < l->M; j++)
@@ -249,7 +245,7 @@ rgb gather_hemisphere_reflected(const struct gather_hemisphere *h, const struct 
     for (size_t i = 0; i < h->all; i++) {
         const vec3 wi = v3(h->x[i], h->y[i], h->z[i]);
         const rgb f = brdf_eval(brdf, wo, wi, lobes);
-        sum = rgb_fma(sum, rgb_scale(f, ray_weight(h, i) * wi.z), h->L[i]);
+        sum = rgb_fma(sum, rgb_scale(f, gather_hemisphere_weight(h, i) * wi.z), h->L[i]);
     }
     return rgb_scale(sum, 2.0f * PI_F / (float)h->stratified);
 }

@@ -39,6 +39,7 @@ const satin_options satin_options_default = {
     .radiance_error = 0.01f,
     .radiance_rotation = 0.0f,
     .radiance_gradient_clamp = true,
+    .radiance_curvature_clamp = true,
     .radiance_max_pixels = 12.0f,
     .adaptive_cache = true,
     .origin_shift = true,

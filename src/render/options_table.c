@@ -192,6 +192,9 @@ const struct option options_table[] = {
      "How the radius R of a record is computed, as irradiance-radius."},
     {"radiance-gradient-clamp", OPTION_BOOL, AT(radiance_gradient_clamp), false, "off|on",
      "Limits the radius R of a record to the distance at which its gradient is valid."},
+    {"radiance-curvature-clamp", OPTION_BOOL, AT(radiance_curvature_clamp), false, "off|on",
+     "Limits the radius R of a record to the distance within which the light that its surface "
+     "reflects to the eye is almost linear."},
     {"radiance-neighbour-clamp", OPTION_BOOL, AT(radiance_neighbour_clamp), false, "off|on",
      "Limits the difference between the radii R of two records to their distance."},
     {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",

@@ -49,7 +49,7 @@ static float fill_extent_pixels(struct fill_extent_fixture *f, float distance) {
     struct cache_irradiance_value E = {.E = rgb_grey(1.0f)};
     struct gather_radiance L = {.lambda = lambda, .dx = dx, .dy = dy};
     const float R = fill_extent_irradiance(&f->fill, &site, &around, &E).R;
-    assert_true(fill_extent_radiance(&f->fill, &site, &around, &L).R == R);
+    assert_true(fill_extent_radiance(&f->fill, &site, &around, INFINITY, &L).R == R);
     return R * 0.5f / FILL_EXTENT_PIXEL;
 }
 
