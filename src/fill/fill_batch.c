@@ -210,9 +210,9 @@ static float curvature_limit(const struct batch *b, const struct batch_member *m
     const struct cache_options *o = &b->store->options;
     if (!s->glossy.table || !o->curvature_clamp) return INFINITY;
     const float most = fminf(b->cache->scene->radius, o->max_pixels * s->pixel / o->a);
-    return fill_curvature_radius(hemisphere, &s->glossy, o->a,
-                                 fminf(member->found.around.harmonic, most),
-                                 fill_least_radius(b->fill, b->kind, s->pixel));
+    return fill_curvature_clamp_radius(hemisphere, &s->glossy, o->a,
+                                       fminf(member->found.around.harmonic, most),
+                                       fill_least_radius(b->fill, b->kind, s->pixel));
 }
 
 static void find_radiance(const struct batch *b, struct batch_member *member,

@@ -60,10 +60,10 @@ struct fill_extent fill_extent_radiance(const struct fill *fill, const struct fi
                                         const struct gather_surroundings *around, float most,
                                         struct gather_radiance *value);
 // At most R: a radius within which the light that a record's lobes reflect to the eye is linear
-// enough for its gradient at accuracy a (fill_curvature.c). R below `least` is not reduced further.
-// The hemisphere is that of the record; its scratch is overwritten.
-float fill_curvature_radius(const struct gather_hemisphere *hemisphere,
-                            const struct fill_glossy *glossy, float a, float R, float least);
+// enough for its gradient at accuracy a (fill_curvature_clamp.c). R below `least` is not reduced
+// further. The hemisphere is that of the record; its scratch is overwritten.
+float fill_curvature_clamp_radius(const struct gather_hemisphere *hemisphere,
+                                  const struct fill_glossy *glossy, float a, float R, float least);
 // The least R of new records of a kind at a pixel width: the fraction of the options' least radius
 // in pixels, over a.
 float fill_least_radius(const struct fill *fill, enum cache_kind kind, float pixel);

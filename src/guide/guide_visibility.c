@@ -48,7 +48,7 @@ struct learning {
     // + bins c, and for range g at cells + g instead of c.
     float *square;
     uint8_t *traced;
-    // For each range the fraction of the environment that points face but do not see.
+    // For each range the fraction of the environment that points face but that is hidden from them.
     float hidden[GUIDE_RANGES];
     bool *open;  // for each bin, whether cells trace rays through it
 };

@@ -17,8 +17,7 @@ struct direct_lookup {
 };
 
 // Finds the entries as gather rays do that hit the photons' positions: an entry behind a wall would
-// get photons that its readers do not see, and those that read another one would miss them.
-
+// get photons that do not arrive where it is read, and hits there would read another one.
 static void find_entries(void *ctx, size_t begin, size_t end, int worker) {
     const struct direct_lookup *lookup = ctx;
     (void)worker;

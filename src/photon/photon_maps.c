@@ -83,7 +83,7 @@ static satin_status build_clusters(const struct photon_pass *pass, const struct 
 static satin_status trace_global(const struct photon_pass *pass, struct photon_maps *maps,
                                  struct photon_trace *direct) {
     const satin_options *o = pass->options;
-    const bool seen = o->integrator == SATIN_PHOTONS, bounced = o->gather_direct && !seen;
+    const bool whole = o->integrator == SATIN_PHOTONS, bounced = o->gather_direct && !whole;
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
@@ -94,8 +94,8 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
                      {.paths = pass->paths.direct,
                       .classes = 1 << PHOTON_DIRECT,
                       .allocation = &pass->allocation}},
-        // The eye sees the surface directly, or through a gather ray.
-        .bounces = photon_bounces_left(o, seen ? 1 : 2)};
+        // Photons are read where the eye looks, or at the hits of gather rays.
+        .bounces = photon_bounces_left(o, whole ? 1 : 2)};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     satin_status status =
         photon_map_trace(&tracing, pass->pool, pass->log, pass->stats, &maps->global, trace);

@@ -22,8 +22,8 @@ float render_covering_rays(const satin_options *options, const struct render_cov
                            int stride);
 // The seconds that the search for sites takes in `pixels` pixels.
 double render_covering_search(const struct render_covering *covering, double pixels);
-// Whether the level of this stride, of `pixels` pixels, is worth the search for its sites, if
-// `left` seconds remain for it and for the finer levels.
+// Whether the level of this stride, of `pixels` pixels, is filled although its sites have to be
+// searched, if `left` seconds remain for it and for the finer levels.
 bool render_covering_pays(const struct render_covering *covering, double pixels, double left);
 // Sets the rays of records of the level of this stride and of finer ones. At most `needed` more
 // records cover this level, of `pixels` pixels; `left` seconds remain. Without a measured speed

@@ -113,7 +113,7 @@ static void end_block(struct record_rounds *rounds, struct record_level *level,
     if (r->frames.view) r->frames.records[block->view] += made;
 }
 
-// Whether the sites of the level are worth the search.
+// Whether the level is filled although its sites have to be searched.
 static bool level_pays(const struct record_rounds *rounds, const struct record_level *level) {
     return !level->covering || render_covering_pays(&rounds->covering, all_pixels(rounds, level),
                                                     render_budget_first_round(rounds->r));

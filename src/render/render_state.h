@@ -17,7 +17,7 @@ enum render_stage {
     STAGE_PHOTONS,  // photons and the first-pass radiance estimate
     STAGE_TABLES,   // BRDFs in harmonics
     STAGE_BOUNCES,  // records at the surfaces of indirect bounces
-    STAGE_RECORDS,  // records at the surfaces that the eye sees
+    STAGE_RECORDS,  // records at the surfaces that are seen
     STAGE_IMAGE,
     STAGE_DENOISE,
     STAGE_FILM
@@ -112,7 +112,7 @@ struct render_frames {
 // What is needed where objects move.
 struct render_motion {
     const satin_options *options;  // of the caller, not resolved
-    struct render_tests *tests;    // what the records of the scene at rest see, or NULL
+    struct render_tests *tests;    // of the records of the scene at rest, or NULL
     // In the render of a frame:
     const struct render *at_rest;  // the render of the scene at rest
     const struct camera *camera;   // the camera of the frame
@@ -186,7 +186,7 @@ bool render_frame_next(struct render *r, satin_status *status);
 satin_status render_frame_done(struct render *r, struct satin_film *film);
 
 // ---- render_motion.c: frames in which objects and lights have moved
-// Finds what the records of the scene at rest see. To be called when all of them are made.
+// Traces the test rays of the records of the scene at rest. To be called when all of them are made.
 satin_status render_tests_make(struct render *r);
 void render_tests_free(struct render_tests *tests);  // NULL is allowed
 // In the render of a frame, adds to its cache the records of the scene at rest that are still

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Limits the radius R of a radiance record to where its gradient predicts the light that its
-// surface reflects to the eye. The lobe of a glossy surface sees a small part of the surroundings,
-// which may change over a small fraction of the harmonic mean distance: the wall beside it, or the
-// edge between two walls. The light that points around the record reflect is estimated from the
-// record's own rays: these have hit points of surfaces, which a displaced point sees in other
+// surface reflects to the eye. The lobe of a glossy surface covers a small part of what surrounds
+// it, which may change over a small fraction of the harmonic mean distance: the wall beside it, or
+// the edge between two walls. The light that points around the record reflect is estimated from the
+// record's own rays: these have hit points of surfaces, which lie from a displaced point in other
 // directions and under other solid angles. What is hidden from the record remains hidden. The mean
 // of points around it, minus the light at the record, is the Laplacian of the reflected light.
 #include "fill/fill_record.h"
@@ -18,7 +18,7 @@ enum { SHRINK_STEPS = 3 };
 static const float SHRINK_LEAST = 0.5f;
 
 // Rays whose solid angle at a displaced point is this many times as large, or which have hit a
-// surface whose back that point sees, are left as they are.
+// surface that faces away from that point, are left as they are.
 static const float JACOBIAN_MOST = 4.0f;
 
 // Stratified rays of which the lobe reflects less than this fraction of its maximum are left out.
@@ -109,8 +109,8 @@ static float laplacian(const struct lobe_at_record *l, const struct reflection *
     return left > 0.0 ? (float)(4.0 / POINTS * sqrt(left) / all->light) : 0.0f;
 }
 
-float fill_curvature_radius(const struct gather_hemisphere *h, const struct fill_glossy *glossy,
-                            float a, float R, float least) {
+float fill_curvature_clamp_radius(const struct gather_hemisphere *h,
+                                  const struct fill_glossy *glossy, float a, float R, float least) {
     const struct lobe_at_record l = {h, &glossy->brdf, glossy->wo};
     float *here = h->work;
     const struct reflection all = find_reflection(&l, here);

@@ -17,7 +17,7 @@ enum { ROWS = 200, COLUMNS = 200 };
 
 static const float HEIGHT = 2.0f, ACCURACY = 0.3f;
 
-static const struct fill_glossy *fill_curvature_lobe(void) {
+static const struct fill_glossy *fill_curvature_clamp_lobe(void) {
     static struct fill_glossy glossy;
     glossy.brdf =
         (struct brdf){.model = brdf_find("phong"), .specular = rgb_grey(1.0f), .exponent = 22.0f};
@@ -45,9 +45,10 @@ static struct gather_hemisphere *below_ceiling(float curvature) {
     return h;
 }
 
-static float fill_curvature_limit(float curvature, float R, float least) {
+static float fill_curvature_clamp_limit(float curvature, float R, float least) {
     struct gather_hemisphere *h = below_ceiling(curvature);
-    const float found = fill_curvature_radius(h, fill_curvature_lobe(), ACCURACY, R, least);
+    const float found =
+        fill_curvature_clamp_radius(h, fill_curvature_clamp_lobe(), ACCURACY, R, least);
     gather_hemisphere_free(h);
     return found;
 }
@@ -55,7 +56,7 @@ static float fill_curvature_limit(float curvature, float R, float least) {
 // The light that the record reflects over that which it reflects of radiance 1.
 static float brightness(float curvature) {
     struct gather_hemisphere *h = below_ceiling(curvature);
-    const struct fill_glossy *glossy = fill_curvature_lobe();
+    const struct fill_glossy *glossy = fill_curvature_clamp_lobe();
     const float L = gather_hemisphere_reflected(h, &glossy->brdf, glossy->wo, BRDF_GLOSSY).g;
     for (size_t i = 0; i < h->all; i++) h->L[i] = rgb_grey(1.0f);
     const float one = gather_hemisphere_reflected(h, &glossy->brdf, glossy->wo, BRDF_GLOSSY).g;
@@ -65,7 +66,7 @@ static float brightness(float curvature) {
 
 static void uniform_light_has_no_limit(void **state) {
     (void)state;
-    assert_true(fill_curvature_limit(0.0f, 3.0f, 0.1f) == 3.0f);
+    assert_true(fill_curvature_clamp_limit(0.0f, 3.0f, 0.1f) == 3.0f);
 }
 
 // The second difference over a R is curvature (a R)^2, and .2 a^2 of the light at the limit. The
@@ -75,7 +76,7 @@ static void the_limit_is_that_of_the_ceiling(void **state) {
     (void)state;
     for (float curvature = 0.5f; curvature < 10.0f; curvature *= 2.0f) {
         const float wanted = sqrtf(0.2f * brightness(curvature) / curvature);
-        assert_float_equal(fill_curvature_limit(curvature, 1.5f * wanted, 1e-3f), wanted,
+        assert_float_equal(fill_curvature_clamp_limit(curvature, 1.5f * wanted, 1e-3f), wanted,
                            0.03f * wanted);
     }
 }
@@ -83,8 +84,8 @@ static void the_limit_is_that_of_the_ceiling(void **state) {
 static void small_records_are_left_alone(void **state) {
     (void)state;
     const float wanted = sqrtf(0.2f * brightness(2.0f) / 2.0f);
-    assert_true(fill_curvature_limit(2.0f, 0.9f * wanted, 1e-3f) == 0.9f * wanted);
-    assert_true(fill_curvature_limit(2.0f, 1.5f * wanted, 2.0f * wanted) == 1.5f * wanted);
+    assert_true(fill_curvature_clamp_limit(2.0f, 0.9f * wanted, 1e-3f) == 0.9f * wanted);
+    assert_true(fill_curvature_clamp_limit(2.0f, 1.5f * wanted, 2.0f * wanted) == 1.5f * wanted);
 }
 
 int main(void) {
