@@ -44,8 +44,7 @@ uint64_t animation_motion_hash(const struct animation_path *path);
 // Sets the poses that the scene file has.
 void animation_poses_at_rest(const struct animation_path *path, satin_pose *pose);
 
-// ---- Splines through keyframes (animation_spline.c)
-// -----------------------------------------------
+// ---- Splines through keyframes (animation_spline.c) ---------------------------------------------
 
 // The value at x of a spline through `count` points (at[i], value[i]), where `at` ascends and x is
 // within it. Between two points it stays between their values; its slope is continuous.

@@ -370,7 +370,6 @@ static void look_up_entries(const struct photon_irradiance *r, const vec3 *p, co
 
 int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     int row;
-    if (r->count == 0) return -1;
     look_up_entries(r, &p, &n, 1, &row);
     if (row >= 0 && r->ends && is_far(r, row, p)) return -1;
     return row >= 0 && !has_orientation(r, row, n) ? search_facing(r, p, n, NULL) : row;

@@ -45,7 +45,7 @@ static const uint64_t NO_KEY = UINT64_MAX;  // has a scale that no voxel has
 // A voxel whose entry is known.
 struct photon_voxel_slot {
     _Atomic uint64_t key;  // 0: the slot is free
-    atomic_int next;       // number of the entry after its own; 0: it is being written
+    atomic_int number;     // of the entry, from 1 on; 0: it is being written
 };
 
 // ---- Widths by region ---------------------------------------------------------------------------
@@ -215,7 +215,7 @@ static int known_entry(const struct photon_voxels *v, uint64_t key) {
     for (size_t i = 0; i < SLOTS_TRIED; i++) {
         const struct photon_voxel_slot *slot = &v->slot[home + i];
         const uint64_t at = atomic_load_explicit(&slot->key, memory_order_acquire);
-        if (at == key) return atomic_load_explicit(&slot->next, memory_order_relaxed) - 1;
+        if (at == key) return atomic_load_explicit(&slot->number, memory_order_relaxed) - 1;
         if (at == 0) break;
     }
     return -1;
@@ -229,7 +229,7 @@ static void remember(const struct photon_voxels *v, uint64_t key, int entry) {
         uint64_t at = atomic_load_explicit(&slot->key, memory_order_relaxed);
         if (at == 0 && atomic_compare_exchange_strong(&slot->key, &at, key)) at = key;
         if (at != key) continue;
-        atomic_store_explicit(&slot->next, entry + 1, memory_order_relaxed);
+        atomic_store_explicit(&slot->number, entry + 1, memory_order_relaxed);
         return;
     }
 }

@@ -27,8 +27,7 @@ struct render_tests {
     struct record_test *of[CACHE_KINDS];  // of the records, in their order
 };
 
-// ---- Test rays
-// -------------------------------------------------------------------------------------
+// ---- Test rays ----------------------------------------------------------------------------------
 
 struct test_loop {
     const struct render *r;     // in whose scene the rays are traced
