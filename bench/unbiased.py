@@ -6,15 +6,16 @@ import numpy as np
 import OpenEXR
 
 
+def layer(path, name):
+    """A layer of an image; zeros if it has none of this name."""
+    found = OpenEXR.File(str(path)).channels()
+    like = found[name if name in found else "RGB"].pixels[..., :3]
+    return np.asarray(like, dtype=np.float64) if name in found else np.zeros(like.shape)
+
+
 def channels(path):
     """The color of an image, and where it sees emitters."""
-    found = OpenEXR.File(str(path)).channels()
-
-    def rgb(name):
-        return np.asarray(found[name].pixels, dtype=np.float64)[..., :3]
-
-    emission = rgb("emission") if "emission" in found else np.zeros(rgb("RGB").shape)
-    return rgb("RGB"), emission.max(axis=-1) > 0
+    return layer(path, "RGB"), layer(path, "emission").max(axis=-1) > 0
 
 
 def relative(image, b, c, over):

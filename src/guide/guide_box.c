@@ -13,9 +13,9 @@
 #include "guide/guide_visibility.h"
 
 enum {
-    BOX_RAYS = 1 << 15,
-    SWEEPS = 2,  // times that each face is moved
-    MERGED = 2,  // rows and columns of bins that are taken together, as rays are few
+    RAYS_PATH = 8,  // rays per path from the eye
+    SWEEPS = 2,     // times that each face is moved
+    MERGED = 2,     // rows and columns of bins that are taken together, as rays are few
     QUANTILES = 6,
     FARTHER = 4,
     BOX_OFFSETS = QUANTILES + FARTHER
@@ -36,7 +36,7 @@ struct box_search {
     const struct satin_scene *scene;
     const struct guide_cells *cells;
     uint64_t seed;
-    size_t points;
+    size_t points, rays;
     struct traced_ray *ray;
     struct light_box box[BOX_OFFSETS];
     double moment[BOX_OFFSETS];
@@ -47,7 +47,7 @@ static void trace_rays(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct rng rng = rng_make(search->seed, RNG_BOX, i);
-        const struct guide_cell_point *p = &search->cells->point[i * search->points / BOX_RAYS];
+        const struct guide_cell_point *p = &search->cells->point[i * search->points / search->rays];
         const struct frame frame = frame_from_normal(p->n);
         const float u = rng_float(&rng), v = rng_float(&rng);
         const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));
@@ -66,7 +66,7 @@ static void measure_boxes(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t k = begin; k < end; k++) {
         uint32_t rays[MERGED_BINS] = {0}, arriving[MERGED_BINS] = {0};
-        for (size_t i = 0; i < BOX_RAYS; i++) {
+        for (size_t i = 0; i < search->rays; i++) {
             const struct traced_ray *ray = &search->ray[i];
             float density;
             const int bin = light_box_bin(&search->box[k], ray->p, ray->d, &density);
@@ -134,12 +134,13 @@ static float begin_faces(const struct guide_cells *cells, size_t points, float *
 }
 
 bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
-                    struct parallel *pool, struct light_box *out) {
-    struct box_search search = {.scene = scene, .cells = cells, .seed = seed};
+                    int paths, struct parallel *pool, struct light_box *out) {
+    struct box_search search = {
+        .scene = scene, .cells = cells, .seed = seed, .rays = RAYS_PATH * (size_t)paths};
     for (size_t i = 0; i < guide_cells_count(cells); i++) search.points += cells->cell[i].count;
     float *sorted = array_new(search.points, sizeof *sorted);
-    search.ray = array_new(BOX_RAYS, sizeof *search.ray);
-    bool done = sorted && search.ray && parallel_for(pool, BOX_RAYS, 64, trace_rays, &search);
+    search.ray = array_new(search.rays, sizeof *search.ray);
+    bool done = sorted && search.ray && parallel_for(pool, search.rays, 64, trace_rays, &search);
     if (done) {
         struct box_faces faces;
         const float extent = begin_faces(cells, search.points, sorted, scene->radius, &faces);

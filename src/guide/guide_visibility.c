@@ -41,7 +41,7 @@ enum {
 struct learning {
     const struct satin_scene *scene;
     uint64_t seed;
-    int rays;  // rays per bin
+    struct guide_visibility_samples samples;
     struct guide_visibility *visibility;
     size_t cells, ranges;
     // The sum of what rays have found, later its mean, and their number: for cell c and bin b at b
@@ -100,7 +100,7 @@ static void trace_range(struct learning *l, size_t g, struct rng *rng) {
     const struct guide_cell points = range_points(l, g);
     struct sky_tally tally = {0.0f, 0.0f};
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
-        trace_bin(l, l->cells + g, &points, bin, l->rays, rng, &tally);
+        trace_bin(l, l->cells + g, &points, bin, l->samples.bin_rays, rng, &tally);
     l->hidden[g] = tally.visible > 0.0f ? 1.0f - tally.visible / tally.facing : 1.0f;
 }
 
@@ -121,7 +121,7 @@ static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
 static void trace_cell(struct learning *l, size_t i, struct rng *rng) {
     int bins = 0;
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) bins += l->open[bin];
-    const float rays = (float)l->rays * fminf((float)OPEN_BINS / (float)bins, 1.0f);
+    const float rays = (float)l->samples.bin_rays * fminf((float)OPEN_BINS / (float)bins, 1.0f);
     struct sky_tally unused = {0.0f, 0.0f};
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
         if (!l->open[bin]) continue;
@@ -260,13 +260,13 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
             .slot = {{l->square, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
                      {l->traced, LIGHT_HISTOGRAM_BINS * sizeof *l->traced}},
             .journaled = true};
-        const bool done =
-            guide_box_find(l->scene, l->seed, &l->visibility->cells, pool, &l->visibility->box) &&
-            parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
-            parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, find_open_bins, l) &&
-            parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
-            parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
-            parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
+        const bool done = guide_box_find(l->scene, l->seed, &l->visibility->cells, l->samples.paths,
+                                         pool, &l->visibility->box) &&
+                          parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
+                          parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, find_open_bins, l) &&
+                          parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
+                          parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
+                          parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
         status = done ? SATIN_OK : SATIN_CANCELLED;
     }
     free(l->square);
@@ -320,7 +320,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
         visibility->cells.cell[0].count > 0 ? guide_cells_count(&visibility->cells) : 0;
     struct learning learning = {.scene = scene,
                                 .seed = seed,
-                                .rays = samples.bin_rays,
+                                .samples = samples,
                                 .visibility = visibility,
                                 .cells = cells,
                                 .ranges = cells < GUIDE_RANGES ? cells : GUIDE_RANGES};

@@ -79,10 +79,11 @@ bool render_time_remains(const struct render *r);
 // ---- Photons
 
 // The numbers of light paths for options->photons and options->caustic_photons, which may be those
-// of the options or a fraction of them.
-struct photon_paths render_budget_paths(const satin_options *options);
+// of the options or a fraction of them; `core_seconds` as render_core_seconds.
+struct photon_paths render_budget_paths(const satin_options *options, double core_seconds);
 // With how many paths and rays the visibility of the lights is measured.
-struct guide_visibility_samples render_budget_visibility(const satin_options *options);
+struct guide_visibility_samples render_budget_visibility(const satin_options *options,
+                                                         double core_seconds);
 // The fraction of its photons that a render traces first: all, or a sixteenth with a time limit.
 double render_budget_first_photons(const struct render *r);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect

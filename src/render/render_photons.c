@@ -13,9 +13,9 @@ static satin_status build_visibility(struct render *r) {
     if (!r->options.guide_visibility || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "visibility");
-    satin_status status =
-        guide_visibility_build(&r->scene, r->options.seed, render_budget_visibility(&r->options),
-                               r->pool, &r->first_pass.visibility);
+    satin_status status = guide_visibility_build(
+        &r->scene, r->options.seed, render_budget_visibility(&r->options, render_core_seconds(r)),
+        r->pool, &r->first_pass.visibility);
     stats_add(&r->stats, "photons.visibility_s", stats_wall() - start);
     return status;
 }
@@ -36,7 +36,8 @@ static satin_status build_maps(struct render *r, double fraction, double global)
     if (!reads_photons(&o)) o.photons = 0;
     r->first_pass.made =
         r->first_pass.wanted ? (double)o.photons / (double)r->first_pass.wanted : 0.0;
-    const struct photon_request request = {&r->scene, &o, render_budget_paths(&o)};
+    const struct photon_request request = {&r->scene, &o,
+                                           render_budget_paths(&o, render_core_seconds(r))};
     satin_status status =
         photon_maps_build(&request, r->pool, r->log, &r->stats, &r->first_pass.maps);
     if (status == SATIN_OK && !r->first_pass.visibility) status = build_visibility(r);
@@ -92,8 +93,8 @@ static satin_status build_first(struct render *r, double fraction) {
 // Traces the photons from which the radii of all passes are found. If there is no time for them,
 // paths are traced instead.
 static satin_status begin_passes(struct render *r) {
-    const struct photon_request request = {&r->scene, &r->options,
-                                           render_budget_paths(&r->options)};
+    const struct photon_request request = {
+        &r->scene, &r->options, render_budget_paths(&r->options, render_core_seconds(r))};
     render_limit_photon_pilot(r);
     const satin_status status =
         photon_sppm_new(&request, r->pool, r->log, &r->stats, &r->first_pass.sppm);

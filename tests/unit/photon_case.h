@@ -9,7 +9,7 @@
 static inline satin_status photon_case_build(const struct satin_scene *scene,
                                              const satin_options *options, struct parallel *pool,
                                              struct stats *stats, struct photon_maps **out) {
-    const struct photon_request request = {scene, options, render_budget_paths(options)};
+    const struct photon_request request = {scene, options, render_budget_paths(options, 0.0)};
     return photon_maps_build(&request, pool, (struct log){0}, stats, out);
 }
 

@@ -96,23 +96,37 @@ static void the_number_of_paths_follows_from_that_of_photons(void **state) {
     (void)state;
     satin_options o = {.photons = 300000, .caustic_photons = 7, .guide_clusters = true};
     o.gather_direct = true;
-    const struct photon_paths paths = render_budget_paths(&o);
+    const struct photon_paths paths = render_budget_paths(&o, 0.0);
     assert_true(paths.global == 300000 && paths.caustic == 7);
     assert_true(paths.clusters == 100000 && paths.direct == 150000);
     o.photons = 3;
-    assert_true(render_budget_paths(&o).clusters == 1 << 15);
+    assert_true(render_budget_paths(&o, 0.0).clusters == 1 << 15);
     o.photons = 1 << 24;
-    assert_true(render_budget_paths(&o).clusters == 1 << 18);
+    assert_true(render_budget_paths(&o, 0.0).clusters == 1 << 18);
     o.integrator = SATIN_PHOTONS;
-    assert_true(render_budget_paths(&o).clusters == 0 && render_budget_paths(&o).direct == 0);
+    assert_true(render_budget_paths(&o, 0.0).clusters == 0 &&
+                render_budget_paths(&o, 0.0).direct == 0);
 }
 
 static void as_many_paths_show_the_view_as_it_can_hold(void **state) {
     (void)state;
     const satin_options o = {.photons = 1 << 20};
-    const int seen = render_budget_paths(&o).seen;
+    const int seen = render_budget_paths(&o, 0.0).seen;
     assert_true(seen >= 1 && seen <= GUIDE_SEEN_PATHS_MAX);
-    assert_true(render_budget_visibility(&o).paths >= seen);
+    assert_true(render_budget_visibility(&o, 0.0).paths >= seen);
+}
+
+static void a_short_limit_measures_less(void **state) {
+    (void)state;
+    const satin_options o = {.photons = 3, .guide_clusters = true};
+    const struct {
+        double core_seconds, fraction;
+    } expected[] = {{0.0, 1.0}, {60.0, 1.0}, {4.0, 1.0}, {1.0, 0.25}, {0.01, 0.0625}};
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
+        const double seconds = expected[i].core_seconds, fraction = expected[i].fraction;
+        assert_true((double)render_budget_paths(&o, seconds).clusters == fraction * (1 << 15));
+        assert_true(render_budget_visibility(&o, seconds).paths == (int)(fraction * 4096.0));
+    }
 }
 
 static void rays_per_bin_grow_with_photons(void **state) {
@@ -123,7 +137,8 @@ static void rays_per_bin_grow_with_photons(void **state) {
     } expected[] = {{0, 1}, {199999, 1}, {200000, 2}, {300000, 3}, {1 << 24, 4}};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
         assert_int_equal(
-            render_budget_visibility(&(satin_options){.photons = expected[i].photons}).bin_rays,
+            render_budget_visibility(&(satin_options){.photons = expected[i].photons}, 0.0)
+                .bin_rays,
             expected[i].rays);
 }
 
@@ -372,6 +387,7 @@ int main(void) {
         cmocka_unit_test(photons_fit_into_the_time_or_are_left_out),
         cmocka_unit_test(the_number_of_paths_follows_from_that_of_photons),
         cmocka_unit_test(as_many_paths_show_the_view_as_it_can_hold),
+        cmocka_unit_test(a_short_limit_measures_less),
         cmocka_unit_test(rays_per_bin_grow_with_photons),
         cmocka_unit_test(samples_gather_less_with_a_limit),
         cmocka_unit_test(lookups_of_fewer_photons_are_wider),
