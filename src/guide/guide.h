@@ -56,7 +56,9 @@ struct guide_emission_request {
     const struct satin_scene *scene;
     const struct guide_seen *seen;
     uint64_t seed, paths;
+    int cells;  // the largest number of cells of a light
 };
+enum { EMISSION_CELLS_MAX = 1 << 12 };  // the largest value of `cells`
 // Finds by single rays which cells of each light's emission first hit a surface with a delta lobe.
 // *out is NULL if no material has one.
 satin_status guide_emission_build(const struct guide_emission_request *request,

@@ -15,9 +15,8 @@
 // The size of the pilot, a sample that divides no time between stages: it finds where caustics
 // begin, and the paths that are then traced there do not depend on it in number.
 enum {
-    PILOT_RAYS = 16,      // per cell
-    CELLS_MAX = 1 << 18,  // of all lights together; a bound of memory
-    LIGHT_CELLS_MAX = 1 << 12
+    PILOT_RAYS = 16,     // per cell
+    CELLS_MAX = 1 << 18  // of all lights together; a bound of memory
 };
 // Fraction of a light's paths that start in cells in which the pilot hit nothing. The power of
 // their photons is (1 - fraction) / fraction * (other cells / kept cells) times that of the others:
@@ -181,11 +180,11 @@ static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t pat
     }
 }
 
-static struct guide_emission *emission_new(const struct satin_scene *scene) {
+static struct guide_emission *emission_new(const struct satin_scene *scene, uint32_t most) {
     struct guide_emission *emission = calloc(1, sizeof *emission);
     if (!emission) return NULL;
     uint32_t lights = scene->light_count, budget = CELLS_MAX / lights;
-    if (budget > LIGHT_CELLS_MAX) budget = LIGHT_CELLS_MAX;
+    if (budget > most) budget = most;
     emission->light_count = lights;
     emission->light = calloc(lights, sizeof *emission->light);
     size_t total = 0;
@@ -216,13 +215,13 @@ satin_status guide_emission_build(const struct guide_emission_request *request,
         return SATIN_OK;
     }
     satin_status status = SATIN_OK;
-    struct guide_emission *emission = emission_new(scene);
-    uint8_t *met = malloc(LIGHT_CELLS_MAX);
+    struct guide_emission *emission = emission_new(scene, (uint32_t)request->cells);
+    uint8_t *met = malloc(EMISSION_CELLS_MAX);
     if (!emission || !met) status = SATIN_ERROR_MEMORY;
     if (emission) guide_seen_aim(request->seen, target, &emission->aim);
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
         struct emission_pilot pilot = {scene, emission, request->seed, i, met};
-        for (int c = 0; c < LIGHT_CELLS_MAX; c++) met[c] = 0;
+        for (int c = 0; c < EMISSION_CELLS_MAX; c++) met[c] = 0;
         if (!parallel_for(pool, emission->light[i].total, 64, trace_pilot_cells, &pilot))
             status = SATIN_CANCELLED;
         else

@@ -14,8 +14,9 @@
 
 enum {
     LIGHT_RAYS = 32,  // rays from a cell to each light
-    // Ranges of consecutive cells, which find out which bins are open.
+    // Ranges of consecutive cells, which find out which bins are open: one for so many paths.
     GUIDE_RANGES = 32,
+    RANGE_PATHS = 128,
     // The largest number of bins through which cells trace all rays. 512 leave 1.08 times the
     // variance of direct light in a room with windows, for .64 times the CPU time.
     OPEN_BINS = 1024,
@@ -302,6 +303,15 @@ static bool has_choice(const struct satin_scene *scene) {
     return scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHTS_MAX;
 }
 
+// The number of ranges, a power of two as that of the cells.
+static size_t range_count(size_t cells, int paths) {
+    size_t ranges = 1;
+    while (2 * ranges <= cells && 2 * ranges <= GUIDE_RANGES &&
+           2 * ranges * RANGE_PATHS <= (size_t)paths)
+        ranges *= 2;
+    return ranges;
+}
+
 satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed,
                                     struct guide_visibility_samples samples, struct parallel *pool,
                                     struct guide_visibility **out) {
@@ -323,7 +333,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
                                 .samples = samples,
                                 .visibility = visibility,
                                 .cells = cells,
-                                .ranges = cells < GUIDE_RANGES ? cells : GUIDE_RANGES};
+                                .ranges = range_count(cells, samples.paths)};
     const satin_status status = cells > 0 ? learn(&learning, pool) : SATIN_OK;
     free(visibility->cells.point);
     visibility->cells.point = NULL;

@@ -28,6 +28,7 @@ struct photon_paths {
     uint64_t clusters;  // the search for photon clusters; 0: there are no clusters
     uint64_t direct;    // direct photons, which show lit patches between the entries of irradiance
     uint64_t caustic;   // the caustic map
+    int caustic_cells;  // of a light's emission, of which a pilot finds those that make caustics
 };
 
 // What the photon maps are made from. Of the options, the numbers of photons are not used.

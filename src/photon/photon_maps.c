@@ -167,7 +167,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     double start = stats_wall();
     parallel_begin_part(pass->pool, "trace");
     struct guide_emission_request request = {pass->scene, &pass->boxes, o->seed,
-                                             pass->paths.caustic};
+                                             pass->paths.caustic, pass->paths.caustic_cells};
     satin_status status = guide_emission_build(&request, pass->pool, pass->log, &emission);
     stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
     if (status != SATIN_OK || !emission) return status;

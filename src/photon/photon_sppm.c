@@ -109,7 +109,7 @@ satin_status photon_sppm_new(const struct photon_request *request, struct parall
     guide_seen_make(p->scene, p->options->seed, p->paths.seen, pool, &p->seen);
     guide_allocation_make(p->scene, p->options->seed, p->paths.seen, pool, &p->allocation);
     const struct guide_emission_request emission = {p->scene, &p->seen, p->options->seed,
-                                                    p->paths.caustic};
+                                                    p->paths.caustic, p->paths.caustic_cells};
     satin_status status = SATIN_OK;
     if (p->paths.caustic) status = guide_emission_build(&emission, pool, log, &p->emission);
     if (status == SATIN_OK) status = trace_pass(p, 0, pool, log, stats, p->first);

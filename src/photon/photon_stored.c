@@ -39,7 +39,8 @@ static satin_status trace_caustic_pilot(const struct photon_request *request,
                                         struct log log, struct photon_trace *out) {
     const satin_options *o = request->options;
     struct guide_emission *emission = NULL;
-    const struct guide_emission_request aim = {request->scene, seen, o->seed, PILOT_PATHS};
+    const struct guide_emission_request aim = {request->scene, seen, o->seed, PILOT_PATHS,
+                                               request->paths.caustic_cells};
     satin_status status = guide_emission_build(&aim, pool, log, &emission);
     *out = (struct photon_trace){0};
     if (status != SATIN_OK || !emission) return status;

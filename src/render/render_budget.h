@@ -45,7 +45,9 @@ double render_budget_snapshot(double seconds, int threads);
 // of the samples of each. This number of pixels shows V within 5 % and q within .2 % from seed to
 // seed (cornell-glossy and indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04
 // core seconds in either scene. render_adaptive_compare needs at least two halves of two samples.
-enum { RENDER_PILOT_SIDE = 64, RENDER_PILOT_SAMPLES = 4 };
+enum { RENDER_PILOT_SIDE = 64, RENDER_PILOT_LEAST = 16, RENDER_PILOT_SAMPLES = 4 };
+// The number of its pixels along a side for which there is time, at so many samples per second.
+int render_budget_pilot(const struct render *r, double samples);
 // Measurements of the pilot.
 struct render_pace {
     double rays, samples;  // per second: gather rays of records, samples of the image

@@ -54,10 +54,10 @@ static double mean_square_indirect(const struct image_pilot *pilot) {
     return q;
 }
 
-static bool pilot_make(struct image_pilot *pilot, struct render *r) {
+static bool pilot_make(struct image_pilot *pilot, struct render *r, int side) {
     const int workers = parallel_threads(r->pool);
-    int columns = r->options.width < RENDER_PILOT_SIDE ? r->options.width : RENDER_PILOT_SIDE;
-    int rows = r->options.height < RENDER_PILOT_SIDE ? r->options.height : RENDER_PILOT_SIDE;
+    const int columns = r->options.width < side ? r->options.width : side;
+    const int rows = r->options.height < side ? r->options.height : side;
     *pilot = (struct image_pilot){.r = r, .columns = columns, .rows = rows};
     pilot->worker = array_new((size_t)workers, sizeof *pilot->worker);
     pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
@@ -72,10 +72,10 @@ static void pilot_destroy(struct image_pilot *pilot) {
     free(pilot->indirect);
 }
 
-satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
+// Samples a grid of pixels, so many along a side.
+static satin_status sample_grid(struct render *r, int side, struct render_pace *pace) {
     struct image_pilot pilot;
-    const char *part = parallel_begin_part(r->pool, "pilot");
-    if (!pilot_make(&pilot, r)) {
+    if (!pilot_make(&pilot, r, side)) {
         pilot_destroy(&pilot);
         return SATIN_ERROR_MEMORY;
     }
@@ -96,6 +96,15 @@ satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
         pace->indirect2 = mean_square_indirect(&pilot);
     }
     pilot_destroy(&pilot);
-    parallel_begin_part(r->pool, part);
     return whole ? SATIN_OK : SATIN_CANCELLED;
+}
+
+// A small grid shows the speed, and how large a grid the time allows.
+satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
+    const char *part = parallel_begin_part(r->pool, "pilot");
+    satin_status status = sample_grid(r, RENDER_PILOT_LEAST, pace);
+    const int side = render_budget_pilot(r, pace->samples);
+    if (status == SATIN_OK && side > RENDER_PILOT_LEAST) status = sample_grid(r, side, pace);
+    parallel_begin_part(r->pool, part);
+    return status;
 }

@@ -301,7 +301,7 @@ static struct photon_trace trace_caustics(const struct test_scene *t, const stru
     struct parallel *pool = pool_of(2);
     struct guide_emission *emission = NULL;
     struct photon_trace trace[PHOTON_CONSUMERS];
-    struct guide_emission_request input = {&t->scene, seen, 1, paths};
+    struct guide_emission_request input = {&t->scene, seen, 1, paths, EMISSION_CELLS_MAX};
     if (seen)
         assert_int_equal(guide_emission_build(&input, pool, (struct log){0}, &emission), SATIN_OK);
     assert_true((emission != NULL) == (seen != NULL));

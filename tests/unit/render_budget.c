@@ -64,6 +64,17 @@ static void steps_end_in_their_order(void **state) {
     parallel_free(r.pool);
 }
 
+static void the_pilot_takes_a_tenth_at_most(void **state) {
+    (void)state;
+    const struct render r = render_budget_make(1000.0);
+    assert_int_equal(render_budget_pilot(&r, 0.0), 0);
+    assert_int_equal(render_budget_pilot(&r, 1e6), RENDER_PILOT_SIDE);
+    // There is time for some 400 pixels.
+    const int side = render_budget_pilot(&r, 400.0 * RENDER_PILOT_SAMPLES / 100.0);
+    assert_true(side == 19 || side == 20);
+    parallel_free(r.pool);
+}
+
 static void a_limit_that_is_over_is_no_cancellation(void **state) {
     (void)state;
     struct render r = render_budget_make(1000.0);
@@ -124,7 +135,7 @@ static void a_short_limit_measures_less(void **state) {
     } expected[] = {{0.0, 1.0}, {60.0, 1.0}, {4.0, 1.0}, {1.0, 0.25}, {0.01, 0.0625}};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
         const double seconds = expected[i].core_seconds, fraction = expected[i].fraction;
-        assert_true((double)render_budget_paths(&o, seconds).clusters == fraction * (1 << 15));
+        assert_true(render_budget_paths(&o, seconds).caustic_cells == (int)(fraction * 4096.0));
         assert_true(render_budget_visibility(&o, seconds).paths == (int)(fraction * 4096.0));
     }
 }
@@ -383,6 +394,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_limit_ends_nothing),
         cmocka_unit_test(steps_end_in_their_order),
+        cmocka_unit_test(the_pilot_takes_a_tenth_at_most),
         cmocka_unit_test(a_limit_that_is_over_is_no_cancellation),
         cmocka_unit_test(photons_fit_into_the_time_or_are_left_out),
         cmocka_unit_test(the_number_of_paths_follows_from_that_of_photons),
