@@ -53,7 +53,7 @@ static size_t find_item(const float *cdf, size_t lo, size_t count, float u) {
 static float rest_within(const float *cdf, size_t i, float u) {
     const float width = cdf[i + 1] - cdf[i];
     const float rest = width > 0.0f ? (u - cdf[i]) / width : 0.5f;
-    return clampf(rest, 0.0f, 0x1.fffffep-1f);
+    return clampf(rest, 0.0f, SAMPLE_BELOW_ONE);
 }
 
 size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest) {

@@ -9,16 +9,19 @@
 
 #include "base/vec.h"
 
+// The largest number below 1, for results that would round to 1.
+#define SAMPLE_BELOW_ONE 0x1.fffffep-1f
+
 // A number in stratum j of n >= 1 strata of [0, 1): (j + u) / n for u in [0, 1), but never 1, to
 // which the last stratum would round once in some ten thousand samples.
 static inline float sample_stratum(int j, float u, int n) {
-    return minf(((float)j + u) / (float)n, 0x1.fffffep-1f);
+    return minf(((float)j + u) / (float)n, SAMPLE_BELOW_ONE);
 }
 
 // For u in [p, 1), where p < 1 is the probability of the other choice: u rescaled to [0, 1), and
 // never 1, to which the quotient would round once in some ten million samples.
 static inline float sample_rest(float u, float p) {
-    return minf((u - p) / (1.0f - p), 0x1.fffffep-1f);
+    return minf((u - p) / (1.0f - p), SAMPLE_BELOW_ONE);
 }
 
 // Density cos(theta) / pi.

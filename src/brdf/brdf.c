@@ -42,6 +42,12 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
     return status ? status : brdf_albedo_prepare(b, arena);
 }
 
+void brdf_polish(struct brdf *b) {
+    const bool both = b->model->slots & 1u << BRDF_SLOT_ALPHA_V;
+    const float alpha = both ? maxf(b->alpha_u, b->alpha_v) : b->alpha_u;
+    if (b->model->polished && alpha <= BRDF_POLISHED) b->model = b->model->polished;
+}
+
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b) {
     struct brdf x = *a, y = *b;
     if (x.model != y.model || x.ior != y.ior || x.distribution != y.distribution ||
@@ -169,14 +175,15 @@ float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     return pdf_smooth(b, wo, wi, lobes, s);
 }
 
-// Draws one delta lobe by u in [0, 1). `chosen` is the probability with which delta lobes were
-// chosen.
-static bool sample_delta(const struct brdf *b, vec3 wo, float u, float chosen, enum brdf_mode mode,
-                         struct brdf_sample *out) {
+// Draws one delta lobe by u in [0, 1), and a facet of a polished surface by `facet`. `chosen` is
+// the probability with which delta lobes were chosen.
+static bool sample_delta(const struct brdf *b, vec3 wo, float u, vec2 facet, float chosen,
+                         enum brdf_mode mode, struct brdf_sample *out) {
     struct brdf_sample lobe[2];
     int n = brdf_delta(b, wo, mode, lobe);
     if (n == 0) return false;
     *out = lobe[n == 2 && u >= lobe[0].probability];
+    if (brdf_is_polished(b) && !brdf_facet(b, wo, facet, mode, out)) return false;
     out->probability *= chosen;
     out->weight = rgb_scale(out->weight, 1.0f / out->probability);
     return true;
@@ -192,14 +199,14 @@ bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, vec2 u, unsigne
                     enum brdf_mode mode, struct brdf_sample *out) {
     struct lobe_probability s;
     if (!find_probabilities(b, wo, lobes, &s)) return false;
-    if (u_lobe < s.delta) return sample_delta(b, wo, u_lobe / s.delta, s.delta, mode, out);
+    if (u_lobe < s.delta) return sample_delta(b, wo, u_lobe / s.delta, u, s.delta, mode, out);
     bool glossy = u_lobe < s.delta + s.glossy || s.diffuse == 0.0f;
     vec3 wi;
     if (!glossy) {
         wi = sample_cosine_hemisphere(u.x, u.y);
         if (wo.z < 0.0f) wi.z = -wi.z;
     } else {
-        float rest = minf((u_lobe - s.delta) / s.glossy, 0x1.fffffep-1f);
+        float rest = minf((u_lobe - s.delta) / s.glossy, SAMPLE_BELOW_ONE);
         unsigned both = lobes & brdf_lobes(b) & (BRDF_GLOSSY | BRDF_THROUGH);
         if (!b->model->sample_glossy(b, wo, both, v3(rest, u.x, u.y), &wi)) return false;
     }
@@ -231,4 +238,12 @@ int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_s
         out[i].weight = rgb_scale(out[i].weight, left);
     }
     return n;
+}
+
+bool brdf_facet(const struct brdf *b, vec3 wo, vec2 u, enum brdf_mode mode,
+                struct brdf_sample *delta) {
+    if (!b->model->facet(b, wo, u, delta)) return false;
+    const vec3 light = mode == BRDF_RADIANCE ? delta->wi : wo;
+    if (has_bump(b)) delta->weight = rgb_scale(delta->weight, bump_shadowing(b, delta->wi, light));
+    return true;
 }

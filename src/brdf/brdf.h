@@ -165,6 +165,11 @@ struct brdf_model {
     // scale, all >= 0). NULL for a model with only one of them.
     void (*probabilities)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                           float *delta);
+    // Sets the direction and weight of the delta lobe to those of a facet, which is drawn by u in
+    // [0, 1). False if it reflects nothing. NULL unless the model is a polished one.
+    bool (*facet)(const struct brdf *b, vec3 wo, vec2 u, struct brdf_sample *delta);
+    // The model of the same surface if it is so smooth that it counts as polished; NULL: none.
+    const struct brdf_model *polished;
 };
 
 // All models, ended by a NULL name.
@@ -204,6 +209,16 @@ satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct
 // only on lack of memory.
 satin_status brdf_prepare(struct brdf *b, struct arena *arena);
 
+// Lets the lobe of a metal of a roughness up to BRDF_POLISHED be a delta lobe whose direction is
+// drawn around that of an ideal surface. As with a mirror, paths that follow it and caustic photons
+// then find the light that it reflects, not light samples: it does not show lights without an
+// extent. Otherwise a gather ray found a small lamp in it once in thousands of times, and a record
+// with such a ray was a bright disc. Coats reflect so little that the photons cost more than they
+// gain (docs/experiments.md). To be called after brdf_prepare, if the roughness is constant.
+#define BRDF_POLISHED 0.01f
+void brdf_polish(struct brdf *b);
+static inline bool brdf_is_polished(const struct brdf *b) { return b->model->facet; }
+
 // Whether two BRDFs have the same glossy lobe, apart from the factors `specular` and
 // `transmittance`.
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b);
@@ -234,8 +249,13 @@ bool brdf_is_sharp(const struct brdf *b, vec3 wo, vec3 wi, float most);
 bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, vec2 u, unsigned lobes,
                     enum brdf_mode mode, struct brdf_sample *out);
 // All delta lobes for wo (0 to 2), for deterministic splitting. Their weight is the fraction of
-// radiance, compressed by refraction, or of power; their probabilities sum to 1.
+// radiance, compressed by refraction, or of power; their probabilities sum to 1. That of a polished
+// BRDF is the one of an ideal surface.
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
+// Sets the direction and weight of the delta lobe of a polished BRDF to those of a facet, which is
+// drawn by u in [0, 1). False if it reflects nothing.
+bool brdf_facet(const struct brdf *b, vec3 wo, vec2 u, enum brdf_mode mode,
+                struct brdf_sample *delta);
 
 // The directional albedo of the selected lobes. It is exact for delta and diffuse lobes (except for
 // the fits of plastic, 0.6 %); for glossy lobes it is an estimate accurate to a few per cent, for

@@ -215,8 +215,8 @@ struct gather_site {
     vec3 p, ng;          // surface point and geometric normal
     struct frame frame;  // the hemisphere is around frame.n
     uint64_t stream;     // random stream of this site
-    bool record;         // it is for a record: rays see sharp lobes as wide as the solid angle they
-                         // represent; otherwise it is averaged with others of its pixel
+    bool record;  // it is for a record: its rays take sharp lobes for as wide as the solid angle
+                  // they represent; otherwise it is averaged with others of its pixel
     // the BRDF by whose glossy lobes as many rays are drawn as there are stratified ones, for light
     // that is reflected to wo (in the frame). NULL: none are.
     const struct brdf *glossy;

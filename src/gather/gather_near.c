@@ -2,11 +2,11 @@
 // The diffuse bounces of gather rays that continue because the photons' estimate at their hit is
 // not reliable (gather_bounces.c), as where it is nearer than a photon lookup can resolve. Photon
 // clusters may be visible from the hit y although they are not from the site: near the edge between
-// a wall and a ceiling, the wall sees a lit patch on the ceiling, but the ceiling does not. A
-// bounce by the BRDF alone hits such a cluster so rarely that one hit outweighs all other rays of
-// its hemisphere. Therefore some of the bounces go to the clusters around the site that are visible
-// from y. The balance heuristic [Veach and Guibas 1995] weights both kinds of samples, so the mean
-// does not change.
+// a wall and a ceiling, a lit patch on the ceiling is visible from the wall, but not from the
+// ceiling. A bounce by the BRDF alone hits such a cluster so rarely that one hit outweighs all
+// other rays of its hemisphere. Therefore some of the bounces go to the clusters around the site
+// that are visible from y. The balance heuristic [Veach and Guibas 1995] weights both kinds of
+// samples, so the mean does not change.
 #include "gather/gather_near.h"
 
 // The largest fraction of the bounces from y that go to photon clusters.

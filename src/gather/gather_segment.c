@@ -79,8 +79,10 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
         }
         out->first.ng = GATHER_NOTHING.ng;
         struct brdf_sample next;
-        if (!end->lobes || !brdf_sample_wi(&end->brdf, end->wo_l, sample_rest(u, stop),
-                                           (vec2){0.5f, 0.5f}, BRDF_DELTA, BRDF_RADIANCE, &next))
+        if (!end->lobes) return false;
+        const vec2 facet = brdf_is_polished(&end->brdf) ? sampler_2d(sampler) : (vec2){0.5f, 0.5f};
+        if (!brdf_sample_wi(&end->brdf, end->wo_l, sample_rest(u, stop), facet, BRDF_DELTA,
+                            BRDF_RADIANCE, &next))
             return false;
         out->T = rgb_mul(out->T, rgb_scale(next.weight, 1.0f / (1.0f - stop)));
         light_chain_pass(&chain, g->scene, &s, v3_neg(ray.d), end->wo_l, &next);

@@ -66,6 +66,13 @@ struct light {
     float power;         // luminance of the emitted power [W], > 0
 };
 
+// Whether the light arrives from a single direction at each point, so that only light samples find
+// it.
+static inline bool light_is_delta(const struct light *light) {
+    return light->kind != LIGHT_AREA && light->kind != LIGHT_CONSTANT &&
+           light->kind != LIGHT_ENVMAP;
+}
+
 // ---- Sampling (light.c) -------------------------------------------------------------------------
 
 struct light_sample {

@@ -21,7 +21,7 @@ int light_aim_choose(const struct light_aim *aim, float *u) {
     }
     float x = (*u - LIGHT_UNAIMED) / target_probability(aim);
     int i = x < (float)aim->count ? (int)x : aim->count - 1;
-    *u = fminf(x - (float)i, 0x1.fffffep-1f);
+    *u = fminf(x - (float)i, SAMPLE_BELOW_ONE);
     return i;
 }
 

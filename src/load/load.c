@@ -223,6 +223,14 @@ static satin_status keep_objects(struct load_state *loader) {
     return SATIN_OK;
 }
 
+// In a polished surface only the paths that follow it show lights, which do not find those without
+// an extent: where there is one, surfaces stay as they are.
+static void polish_materials(struct satin_scene *scene) {
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (light_is_delta(&scene->light[i])) return;
+    for (uint32_t i = 0; i < scene->material_count; i++) scene_material_polish(&scene->material[i]);
+}
+
 // Checks that the total power of the lights is finite, because lights are chosen by power.
 static satin_status check_power(const struct load_state *loader) {
     float sum = 0.0f;
@@ -252,6 +260,7 @@ static satin_status load_all(struct load_state *loader) {
     if (status == SATIN_OK) status = check_unused(loader);
     if (status == SATIN_OK) status = load_poses_check(loader);
     if (status == SATIN_OK) status = keep_objects(loader);
+    if (status == SATIN_OK) polish_materials(loader->scene);
     if (status == SATIN_OK) status = scene_trace_build(loader->scene, loader->log);
     if (status == SATIN_OK) status = light_prepare(loader->scene, loader->log);
     return status == SATIN_OK ? check_power(loader) : status;

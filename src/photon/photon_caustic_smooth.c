@@ -78,7 +78,7 @@ static bool find_position(const struct estimating *loop, size_t site, vec3 *p, v
     if (!scene_intersect_whole(scene, &down, &s)) return false;
     *p = s.p;
     *n = v3_dot(s.ng, *n) < 0.0f ? v3_neg(s.ng) : s.ng;
-    return photon_irradiance_sees(r, scene, (int)entry, *p, *n);
+    return photon_irradiance_visible(r, scene, (int)entry, *p, *n);
 }
 
 // Computes the value of a site; its noise is negative if there is no site.

@@ -261,7 +261,7 @@ static enum map_read precomputed(const struct photon_maps *maps, const struct sa
     *E = rgb_grey(0.0f);
     const int entry = photon_irradiance_entry(r, p, ng);
     if (entry < 0) return READ_ENTRY;
-    if (!maps->caustic.whole_disc[entry] && !photon_irradiance_sees(r, scene, entry, p, ng))
+    if (!maps->caustic.whole_disc[entry] && !photon_irradiance_visible(r, scene, entry, p, ng))
         return READ_POINT;
     const bool sparse = photon_irradiance_sparse(r, entry);
     *E = sparse ? r->E[entry] : photon_irradiance_value(r, entry, p);

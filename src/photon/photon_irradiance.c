@@ -295,8 +295,8 @@ static bool ray_to_position(vec3 position, const struct satin_scene *scene, vec3
     return true;
 }
 
-bool photon_irradiance_sees(const struct photon_irradiance *r, const struct satin_scene *scene,
-                            int entry, vec3 p, vec3 n) {
+bool photon_irradiance_visible(const struct photon_irradiance *r, const struct satin_scene *scene,
+                               int entry, vec3 p, vec3 n) {
     const vec3 position = photon_entry_position(&r->position, (size_t)entry);
     struct ray ray;
     return !(ray_to_position(position, scene, p, n, &ray) && scene_occluded(scene, &ray));

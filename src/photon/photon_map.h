@@ -290,8 +290,8 @@ float photon_irradiance_entry_area(const struct photon_irradiance *irradiance, s
 // The entry that is read at p on the side of n, or -1.
 int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, vec3 n);
 // Whether the entry's position is visible from p, along a ray a little above the surface.
-bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
-                            const struct satin_scene *scene, int entry, vec3 p, vec3 n);
+bool photon_irradiance_visible(const struct photon_irradiance *irradiance,
+                               const struct satin_scene *scene, int entry, vec3 p, vec3 n);
 // Whether the entry's estimate has fewer than k photons, as the map limits its radius.
 bool photon_irradiance_sparse(const struct photon_irradiance *irradiance, int entry);
 // The irradiance at p by an entry; black for entry -1.

@@ -319,8 +319,8 @@ struct render_sites {
     struct fill_site *site;
     size_t count, capacity;
 };
-// Replaces the sites by those that camera number `view` of the scene sees in `count` pixels, in the
-// order of the pixels; if `adaptive`, with the members for fill_adapt. SATIN_CANCELLED or
+// Replaces the sites by those that are seen by camera number `view` of the scene in `count` pixels,
+// in the order of the pixels; if `adaptive`, with the members for fill_adapt. SATIN_CANCELLED or
 // SATIN_ERROR_MEMORY.
 satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *pixel, size_t count,
                                bool adaptive, struct render_sites *sites);

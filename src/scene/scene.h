@@ -150,6 +150,8 @@ struct material {
 
 // The fraction of rays that the surface stops there, in [0, 1] (scene_opacity.c).
 float scene_opacity_material(const struct material *m, const struct texture_lookup *at);
+// Lets the reflection of smooth surfaces of constant roughness count as polished (brdf_polish).
+void scene_material_polish(struct material *m);
 // Calls fn for every side of m that is not a blend, and for those of the back if m is two-sided.
 void scene_material_visit(const struct material *m,
                           void (*fn)(void *ctx, const struct material_side *side), void *ctx);

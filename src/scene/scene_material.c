@@ -11,6 +11,20 @@
 #include "base/rng.h"
 #include "scene/scene_opacity.h"
 
+// Components are of the scene's arena, and so may be changed with the material.
+static void polish(struct material_side *side) {
+    for (int i = 0; i < 2 && side->component[0]; i++)
+        polish((struct material_side *)side->component[i]);
+    if (side->component[0] || side->slot[BRDF_SLOT_ALPHA_U] || side->slot[BRDF_SLOT_ALPHA_V])
+        return;
+    brdf_polish(&side->base);
+}
+
+void scene_material_polish(struct material *m) {
+    polish(&m->front);
+    polish(&m->back);
+}
+
 static void visit(const struct material_side *side,
                   void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
     if (!side->component[0]) {

@@ -56,6 +56,9 @@ static int push_specular(const struct shade *shade, const struct eye_path *path,
                          struct eye_path *stack, int top) {
     struct brdf_sample lobe[2];
     int lobes = brdf_delta(&p->brdf, p->wo_l, BRDF_RADIANCE, lobe);
+    if (brdf_is_polished(&p->brdf) &&
+        (!lobes || !brdf_facet(&p->brdf, p->wo_l, sampler_2d(sampler), BRDF_RADIANCE, lobe)))
+        return top;
     bool split = path->splits < SPLIT_DEPTH && top + lobes <= SHADE_VERTICES;
     if (lobes > 1 && !split) {
         float total = lobe[0].probability + lobe[1].probability;

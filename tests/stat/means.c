@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes in which few photons arrive at what the eye sees: the mean of an image in two passes is
 // that of path tracing. With so few photons, images of different seeds differ by more than half of
-// the bound, so that the mean over several counts. usage: means SCENE.xml ...; prints one line per
-// scene.
+// the bound, so that the mean over several counts. usage: means QUALITY SCENE.xml ...; prints one
+// line per scene.
 #include <math.h>
 #include <stdio.h>
 
@@ -12,25 +12,26 @@
 
 enum { SEEDS = 8 };
 
-static double means_mean(const satin_scene *scene, const char *integrator, const char *spp,
-                         int seeds) {
+static double means_mean(const satin_scene *scene, const char *quality, const char *integrator,
+                         const char *spp, int seeds) {
     double sum = 0.0;
     for (int i = 0; i < seeds; i++) {
         char seed[16];
         snprintf(seed, sizeof seed, "%d", i);
-        const satin_setting setting[] = {{"integrator", integrator}, {"spp", spp}, {"seed", seed}};
-        sum += stat_mean(scene, setting, 3);
+        const satin_setting setting[] = {
+            {"quality", quality}, {"integrator", integrator}, {"spp", spp}, {"seed", seed}};
+        sum += stat_mean(scene, setting, 4);
     }
     return sum / seeds;
 }
 
 int main(int argc, char **argv) {
     int failed = 0;
-    for (int i = 1; i < argc; i++) {
+    for (int i = 2; i < argc; i++) {
         satin_scene *scene = NULL;
         if (satin_scene_load(argv[i], NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return 1;
-        double path = means_mean(scene, "path", "512", 1);
-        double two = means_mean(scene, "two-pass", "16", SEEDS);
+        double path = means_mean(scene, argv[1], "path", "512", 1);
+        double two = means_mean(scene, argv[1], "two-pass", "16", SEEDS);
         double error = two / path - 1.0;
         bool ok = fabs(error) < BOUND;
         printf("%s: path %.5f, two passes %+.2f %%%s\n", argv[i], path, 100.0 * error,
