@@ -26,7 +26,8 @@ enum rng_stream {
     RNG_SMOOTH,
     RNG_RIM,
     RNG_BOX,
-    RNG_RECORD_TEST
+    RNG_RECORD_TEST,
+    RNG_DIVIDE
 };
 
 struct rng {

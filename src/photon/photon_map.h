@@ -120,6 +120,19 @@ void photon_map_free(struct photon_map *map);
 satin_status photon_map_find_radii(struct photon_map *map, int k, struct parallel *pool);
 size_t photon_map_bytes(const struct photon_map *map);
 
+// How strong photons are divided (photon_divide.c).
+struct photon_divide {
+    uint64_t seed;
+    int k;              // photons of an estimate
+    float irradiance;   // the mean one of lit surfaces, luminance; 0: none is divided
+    float radius_most;  // in which a photon may be divided
+};
+// Replaces the photons of a map that would be visible as single bright discs by weaker ones around
+// them. map->radius_max must be that of estimates. On failure the map is unchanged:
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_map_divide(const struct photon_divide *by, const struct satin_scene *scene,
+                               struct parallel *pool, struct log log, struct photon_map *map);
+
 static inline vec3 photon_position(const struct photon_map *map, size_t i) {
     const float *p = map->position + 3 * i;
     return v3(p[0], p[1], p[2]);

@@ -183,6 +183,10 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     if (status != SATIN_OK) return status;
     if (maps->caustic.count > 0)
         maps->caustic.radius_max = fminf(maps->caustic.radius_max, faint_radius(maps));
+    const struct photon_divide divide = {o->seed, maps->caustic_k,
+                                         mean_irradiance(&maps->irradiance), maps->lookup_max};
+    status = photon_map_divide(&divide, pass->scene, pass->pool, pass->log, &maps->caustic);
+    if (status != SATIN_OK) return status;
     return precompute_map(pass,
                           &(struct photon_precompute){
                               &maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
