@@ -49,7 +49,7 @@ def measure_all(doc, scenes, quality, repeats, measure):
 def run(args, env=None):
     done = subprocess.run(args, stdout=subprocess.PIPE, text=True, check=False, env=env)
     if done.returncode:
-        sys.exit("failed: " + " ".join(args))
+        sys.exit("failed: " + " ".join(map(str, args)))
     return done.stdout
 
 
