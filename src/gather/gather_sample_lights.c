@@ -15,18 +15,35 @@ struct choice {
     float probability;
 };
 
+// f_r by set of lobes.
+struct lobe_values {
+    rgb f[3];
+};
+
+// False if all are 0.
+static bool evaluate_brdf(const struct shading_point *p, struct gather_mis mis, vec3 wi,
+                          struct lobe_values *out) {
+    bool any = false;
+    for (int i = 0; i < 3; i++) {
+        const unsigned lobes = mis.set[i].lobes & p->lobes & BRDF_SMOOTH;
+        out->f[i] = lobes ? brdf_eval(&p->brdf, p->wo_l, wi, lobes) : rgb_grey(0.0f);
+        any |= !rgb_black(out->f[i]);
+    }
+    return any;
+}
+
 // The sum of f_r over the lobes, each with its weight against BRDF sampling.
-static rgb weighted_brdf(const struct shading_point *p, struct gather_mis mis, vec3 wi, float pdf,
-                         bool delta) {
+static rgb weight_brdf(const struct shading_point *p, struct gather_mis mis, vec3 wi, float pdf,
+                       bool delta, const struct lobe_values *values) {
     rgb sum = rgb_grey(0.0f);
     for (int i = 0; i < 3; i++) {
-        unsigned lobes = mis.set[i].lobes & p->lobes;
+        const unsigned lobes = mis.set[i].lobes & p->lobes;
+        const float ratio = mis.set[i].ratio;
+        float weight = 1.0f;
         if (!(lobes & BRDF_SMOOTH)) continue;
-        rgb f = brdf_eval(&p->brdf, p->wo_l, wi, lobes);
-        float ratio = mis.set[i].ratio, weight = 1.0f;
         if (ratio > 0.0f && !delta)
             weight = mis_power(pdf, ratio * brdf_pdf(&p->brdf, p->wo_l, wi, lobes));
-        sum = rgb_mad(sum, f, weight);
+        sum = rgb_mad(sum, values->f[i], weight);
     }
     return sum;
 }
@@ -37,21 +54,21 @@ static rgb weighted_brdf(const struct shading_point *p, struct gather_mis mis, v
 static rgb sample_light(const struct gather *g, const struct shading_point *p,
                         struct gather_mis mis, struct choice choice, vec2 u) {
     const struct satin_scene *scene = g->scene;
-    rgb none = rgb_grey(0.0f);
+    const vec3 at = p->interaction.p;
+    const rgb none = rgb_grey(0.0f);
     struct light_sample s;
-    if (!light_sample_visible(scene, choice.light, choice.visibility, p->interaction.p, u.x, u.y,
-                              &s))
-        return none;
+    struct lobe_values values;
+    if (!light_sample_draw(scene, choice.light, choice.visibility, at, u.x, u.y, &s)) return none;
     vec3 wi = frame_to_local(&p->frame, s.wi);
-    rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
-    if (rgb_black(f)) return none;
+    if (!evaluate_brdf(p, mis, wi, &values)) return none;
     const vec3 straight = s.wi;
-    if (!light_arrives(scene, p->interaction.p, p->interaction.ng, gather_panes(g, mis.depth), &s))
-        return none;
+    if (!light_arrives(scene, at, p->interaction.ng, gather_panes(g, mis.depth), &s)) return none;
+    if (!light_sample_read(scene, choice.visibility, &s)) return none;
     if (v3_dist2(straight, s.wi) > 0.0f) {  // panes have shifted it
         wi = frame_to_local(&p->frame, s.wi);
-        f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
+        evaluate_brdf(p, mis, wi, &values);
     }
+    const rgb f = weight_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta, &values);
     return rgb_scale(rgb_mul(f, s.L), fabsf(wi.z) / s.pdf_w);
 }
 

@@ -132,8 +132,8 @@ bool light_sample_wi(const struct satin_scene *scene, uint32_t i, vec3 p, float 
     return light_sample_visible(scene, i, LIGHT_ALL_VISIBLE, p, u, v, out);
 }
 
-static bool sample(const struct satin_scene *scene, uint32_t i, struct light_visibility visibility,
-                   vec3 p, float u, float v, struct light_sample *out) {
+static bool draw(const struct satin_scene *scene, uint32_t i, struct light_visibility visibility,
+                 vec3 p, float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[i];
     switch (light->kind) {
         case LIGHT_AREA:
@@ -153,19 +153,31 @@ static bool sample(const struct satin_scene *scene, uint32_t i, struct light_vis
             return true;
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return light_environment_sample(scene, visibility.histogram, p, u, v, out);
+            return light_environment_draw(scene, visibility.histogram, p, u, v, out);
     }
     return false;
+}
+
+bool light_sample_draw(const struct satin_scene *scene, uint32_t i,
+                       struct light_visibility visibility, vec3 p, float u, float v,
+                       struct light_sample *out) {
+    if (!draw(scene, i, visibility, p, u, v, out)) return false;
+    out->light = i;
+    out->u = u;
+    out->v = v;
+    return true;
+}
+
+bool light_sample_read(const struct satin_scene *scene, struct light_visibility visibility,
+                       struct light_sample *s) {
+    return !s->unread || light_environment_read(scene, visibility.histogram, s);
 }
 
 bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
                           struct light_visibility visibility, vec3 p, float u, float v,
                           struct light_sample *out) {
-    if (!sample(scene, i, visibility, p, u, v, out)) return false;
-    out->light = i;
-    out->u = u;
-    out->v = v;
-    return true;
+    return light_sample_draw(scene, i, visibility, p, u, v, out) &&
+           light_sample_read(scene, visibility, out);
 }
 
 float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct interaction *s) {

@@ -84,7 +84,9 @@ struct light_sample {
     float pdf_w;  // density over solid angle, without the probability of choosing the light; delta
                   // lights: 1
     bool delta;
-    uint32_t light;  // index of the light, and the numbers by which it was drawn
+    bool unread, in_sun;  // environment: by light_sample_draw, L and pdf_w are not set yet; whether
+                          // the sample is in the sun
+    uint32_t light;       // index of the light, and the numbers by which it was drawn
     float u, v;
 };
 

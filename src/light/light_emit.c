@@ -129,7 +129,8 @@ static bool emit_environment(const struct satin_scene *scene, const struct light
                              const float u[4], struct light_ray *out) {
     struct light_sample s;
     float area;
-    if (!light_environment_sample(scene, NULL, v3(0, 0, 0), u[2], u[3], &s)) return false;
+    const uint32_t light = (uint32_t)scene->environment;
+    if (!light_sample_wi(scene, light, v3(0, 0, 0), u[2], u[3], &s)) return false;
     if (!aim_ray(scene, aim, v3_neg(s.wi), u, &out->ray, &area)) return false;
     out->power = rgb_scale(s.L, area / s.pdf_w);
     return true;

@@ -64,10 +64,10 @@ struct cell {
 static struct cell cell_of(const struct light *light, int column, int row) {
     const struct image *image = light->image;
     const float low = light->row_weight[row], high = light->row_weight[row + 1];
-    return (struct cell){fmaxf(rgb_luminance(texel(image, column, row)), 0.0f) * low,
-                         fmaxf(rgb_luminance(texel(image, column + 1, row)), 0.0f) * low,
-                         fmaxf(rgb_luminance(texel(image, column, row + 1)), 0.0f) * high,
-                         fmaxf(rgb_luminance(texel(image, column + 1, row + 1)), 0.0f) * high};
+    return (struct cell){maxf(rgb_luminance(texel(image, column, row)), 0.0f) * low,
+                         maxf(rgb_luminance(texel(image, column + 1, row)), 0.0f) * low,
+                         maxf(rgb_luminance(texel(image, column, row + 1)), 0.0f) * high,
+                         maxf(rgb_luminance(texel(image, column + 1, row + 1)), 0.0f) * high};
 }
 
 static float cell_mean(const struct cell *c) { return 0.25f * (c->w00 + c->w10 + c->w01 + c->w11); }
@@ -262,27 +262,46 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
 // this such a sample is dropped; its contribution is as small.
 #define PDF_LEAST 1e-18f
 
-bool light_environment_sample(const struct satin_scene *scene,
-                              const struct light_histogram *histogram, vec3 p, float u, float v,
-                              struct light_sample *out) {
+// Sets L and the density of a sample, whose pdf_w is that by the bins, given the radiance without
+// the sun and the density by it. False if the sample contributes nothing.
+static bool set_radiance(const struct light *light, const struct light_histogram *histogram,
+                         float by_radiance, rgb L, struct light_sample *s) {
+    s->L = s->in_sun ? rgb_add(L, light->sun_value) : L;
+    s->pdf_w = mixed_pdf(light, histogram, s->in_sun, by_radiance, s->pdf_w);
+    return s->pdf_w > PDF_LEAST && !rgb_black(s->L);
+}
+
+bool light_environment_draw(const struct satin_scene *scene,
+                            const struct light_histogram *histogram, vec3 p, float u, float v,
+                            struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
     const bool to_sun = light->sun_fraction > 0.0f && choose_with(light->sun_fraction, &u);
     const bool to_bins = !to_sun && histogram && choose_with(histogram->fraction, &u);
-    float by_radiance, by_bins = 0.0f;
-    *out = (struct light_sample){.dist = INFINITY};
+    float by_radiance = 0.0f, by_bins = 0.0f;
+    *out =
+        (struct light_sample){.dist = INFINITY, .L = rgb_grey(1.0f), .unread = to_sun || to_bins};
     if (to_sun)
         out->wi = sun_direction(light, u, v);
     else if (to_bins)
         out->wi = light_histogram_sample(histogram, p, u, v, &by_bins);
     else
         out->wi = sample_radiance(light, u, v, &by_radiance, &out->L);
-    if (to_sun || to_bins) by_radiance = radiance_pdf(light, out->wi, &out->L);
     if (!to_bins) by_bins = bins_pdf(histogram, p, out->wi);
     // At the edge of the sun, rounding may move the direction outside.
-    const bool sun = to_sun || in_sun(light, out->wi);
-    if (sun) out->L = rgb_add(out->L, light->sun_value);
-    out->pdf_w = mixed_pdf(light, histogram, sun, by_radiance, by_bins);
-    return out->pdf_w > PDF_LEAST && !rgb_black(out->L);
+    out->in_sun = to_sun || in_sun(light, out->wi);
+    out->pdf_w = by_bins;
+    return out->unread || set_radiance(light, histogram, by_radiance, out->L, out);
+}
+
+bool light_environment_read(const struct satin_scene *scene,
+                            const struct light_histogram *histogram, struct light_sample *s) {
+    const struct light *light = &scene->light[scene->environment];
+    const rgb T = s->L;
+    rgb L;
+    const float by_radiance = radiance_pdf(light, s->wi, &L);
+    if (!set_radiance(light, histogram, by_radiance, L, s)) return false;
+    s->L = rgb_mul(s->L, T);
+    return true;
 }
 
 float light_environment_pdf(const struct satin_scene *scene,

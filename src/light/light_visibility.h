@@ -70,6 +70,15 @@ void light_choose_probabilities(const struct satin_scene *scene, vec3 p,
 bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
                           struct light_visibility visibility, vec3 p, float u, float v,
                           struct light_sample *out);
+// Does the same in two steps, of which the second is only needed if the light arrives: to read a
+// sky takes as long as a shadow ray. The first step may leave a sample of the environment `unread`,
+// and the second sets its pdf_w and multiplies its L, which is 1 before, by the radiance. Either
+// returns false if the light cannot contribute.
+bool light_sample_draw(const struct satin_scene *scene, uint32_t i,
+                       struct light_visibility visibility, vec3 p, float u, float v,
+                       struct light_sample *out);
+bool light_sample_read(const struct satin_scene *scene, struct light_visibility visibility,
+                       struct light_sample *s);
 
 // The direction (unit) from p of u, v in [0, 1) within a bin, in which they are uniform; v is along
 // its row. *density is that of the direction over solid angle [sr^-1].
@@ -81,11 +90,13 @@ int light_box_bin(const struct light_box *box, vec3 p, vec3 w, float *density);
 int light_box_around(int bin, int around[9]);
 // Distributes samples over the bins in proportion to their weights, which are row by row.
 void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out);
-// As light_sample_wi and light_pdf for the environment, which must exist, at p. A NULL histogram
-// means that all of it is visible.
-bool light_environment_sample(const struct satin_scene *scene,
-                              const struct light_histogram *histogram, vec3 p, float u, float v,
-                              struct light_sample *out);
+// As light_sample_draw, light_sample_read and light_pdf for the environment, which must exist, at
+// p. A NULL histogram means that all of it is visible.
+bool light_environment_draw(const struct satin_scene *scene,
+                            const struct light_histogram *histogram, vec3 p, float u, float v,
+                            struct light_sample *out);
+bool light_environment_read(const struct satin_scene *scene,
+                            const struct light_histogram *histogram, struct light_sample *s);
 float light_environment_pdf(const struct satin_scene *scene,
                             const struct light_histogram *histogram, vec3 p, vec3 wi);
 

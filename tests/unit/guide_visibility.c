@@ -51,7 +51,8 @@ static struct guide_visibility_tally guide_visibility_sample(
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const vec2 u = sample_sobol2(i, 3);
         struct light_sample s;
-        assert_true(light_environment_sample(&t->scene, histogram, p, u.x, u.y, &s));
+        const struct light_visibility visibility = {histogram, NULL};
+        assert_true(light_sample_visible(&t->scene, 0, visibility, p, u.x, u.y, &s));
         struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), s.wi);
         if (!(s.wi.z > 0.0f) || scene_occluded(&t->scene, &ray)) continue;
         tally.visible += 1.0 / SAMPLES;

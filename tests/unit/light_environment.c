@@ -88,6 +88,7 @@ static void histograms_do_not_change_the_mean(void **state) {
     for (int i = 0; i < LIGHT_HISTOGRAM_BINS; i++) weight[i] = i % 7 ? 0.0f : (float)(i % 5);
     light_bins_build(weight, &bins);
     const struct light_histogram histogram = {0.75f, &bins, &box};
+    const struct light_visibility visibility = {&histogram, NULL};
     enum { SAMPLES = 1 << 20, OCTANTS = 8 };
     for (int k = 0; k < 3; k++) {
         double sum[OCTANTS] = {0};
@@ -95,7 +96,7 @@ static void histograms_do_not_change_the_mean(void **state) {
         for (uint32_t i = 0; i < SAMPLES; i++) {
             const vec2 u = sample_sobol2(i, 3);
             struct light_sample s;
-            assert_true(light_environment_sample(&t.scene, &histogram, point[k], u.x, u.y, &s));
+            assert_true(light_sample_visible(&t.scene, 0, visibility, point[k], u.x, u.y, &s));
             const float reported = light_environment_pdf(&t.scene, &histogram, point[k], s.wi);
             moved += !(fabsf(reported - s.pdf_w) <= 1e-4f * reported);
             const int octant = (s.wi.x > 0.0f) + 2 * (s.wi.y > 0.0f) + 4 * (s.wi.z > 0.0f);
@@ -126,6 +127,7 @@ static void samples_of_bins_are_stratified(void **state) {
                i % SIDE] = 1.0f;
     light_bins_build(weight, &bins);
     const struct light_histogram histogram = {0.99f, &bins, &box};
+    const struct light_visibility visibility = {&histogram, NULL};
     const float side = LIGHT_HISTOGRAM_SIDE, middle = FIRST + 0.5f * SIDE;
     double squares = 0.0;
     for (uint32_t seed = 0; seed < SEEDS; seed++) {
@@ -134,7 +136,7 @@ static void samples_of_bins_are_stratified(void **state) {
             const vec2 u = sample_sobol2(i, seed);
             struct light_sample s;
             // Only samples by bins.
-            light_environment_sample(&t.scene, &histogram, v3(0, 0, 0), 0.99f * u.x, u.y, &s);
+            light_sample_visible(&t.scene, 0, visibility, v3(0, 0, 0), 0.99f * u.x, u.y, &s);
             const float y = side * (0.5f + 0.5f * s.wi.z / s.wi.x) - middle;
             const float x = side * (0.5f + 0.5f * s.wi.y / s.wi.x) - middle;
             visible += 0.4f * x + y > 0.0f;
@@ -146,6 +148,56 @@ static void samples_of_bins_are_stratified(void **state) {
     test_scene_free(&t);
 }
 
+// A sample that is drawn first and read later is that of light_sample_visible, by bins, by radiance
+// and in the sun, and panes between the two reduce its radiance.
+static void samples_are_read_after_they_arrive(void **state) {
+    (void)state;
+    enum { WIDTH = 4, HEIGHT = 3, SAMPLES = 1 << 12 };
+    float texel[WIDTH * HEIGHT * 3], weight[LIGHT_HISTOGRAM_BINS];
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
+        texel[i] = i < 2 * WIDTH * 3 ? 0.0f : (float)(i % 5);
+    const struct image image = {WIDTH, HEIGHT, 3, texel};
+    struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = &image};
+    light.to_world = light.to_local = mat4_identity();
+    light.sun = v3_unit(v3(0.3f, 0.2f, -0.8f));
+    light.sun_value = rgb_grey(1e2f);
+    light.sun_chord = 0.1f;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+    test_light(&t, light);
+    test_scene_finish(&t);
+    for (int i = 0; i < LIGHT_HISTOGRAM_BINS; i++) weight[i] = (float)(i % 5);
+    struct light_bins bins;
+    light_bins_build(weight, &bins);
+    const struct light_box box = light_environment_box();
+    const struct light_histogram histogram = {0.75f, &bins, &box};
+    const struct light_visibility visibility = {&histogram, NULL};
+    const rgb T = {0.5f, 0.25f, 0.125f};  // factors without rounding
+    int unread = 0, black = 0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const vec2 u = sample_sobol2(i, 3);
+        struct light_sample s, whole;
+        const bool lit =
+            light_sample_visible(&t.scene, 0, visibility, v3(0, 0, 0), u.x, u.y, &whole);
+        bool later = light_sample_draw(&t.scene, 0, visibility, v3(0, 0, 0), u.x, u.y, &s);
+        if (later && s.unread) {
+            unread++;
+            assert_true(s.L.r == 1.0f && s.L.g == 1.0f && s.L.b == 1.0f);
+        }
+        s.L = rgb_mul(s.L, T);
+        later = later && light_sample_read(&t.scene, visibility, &s);
+        assert_int_equal(later, lit);
+        black += !lit;
+        if (!lit) continue;
+        const rgb L = rgb_mul(whole.L, T);
+        assert_true(s.L.r == L.r && s.L.g == L.g && s.L.b == L.b && s.pdf_w == whole.pdf_w);
+        assert_true(v3_dist2(s.wi, whole.wi) == 0.0f);
+    }
+    assert_true(unread > SAMPLES / 2 && unread < SAMPLES && black > 0);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_sun_is_a_disc),
@@ -153,6 +205,7 @@ int main(void) {
         cmocka_unit_test(bins_around_a_bin_are_on_its_face),
         cmocka_unit_test(histograms_do_not_change_the_mean),
         cmocka_unit_test(samples_of_bins_are_stratified),
+        cmocka_unit_test(samples_are_read_after_they_arrive),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
