@@ -29,11 +29,15 @@ struct light_box light_box_make(vec3 lo, vec3 hi);
 enum {
     LIGHT_HISTOGRAM_SIDE = 32,  // rows of a face, and bins of a row
     LIGHT_HISTOGRAM_ROWS = 6 * LIGHT_HISTOGRAM_SIDE,
+    LIGHT_HISTOGRAM_CUTS = 32,  // start indices of searches among the rows
     LIGHT_HISTOGRAM_BINS = LIGHT_HISTOGRAM_ROWS * LIGHT_HISTOGRAM_SIDE
 };
 // The distribution of samples over the bins: first a row is drawn by u, then one of its bins by v,
-// so that strata of u and v stay compact regions. Each cdf is as by sample_cdf_build.
+// so that strata of u and v stay compact regions. Each cdf is as by sample_cdf_build. Samples come
+// from cells all over the scene, so that every step of a search waits for memory: the cuts save
+// four.
 struct light_bins {
+    uint32_t row_cut[LIGHT_HISTOGRAM_CUTS + 1];
     float row[LIGHT_HISTOGRAM_ROWS + 1];
     float column[LIGHT_HISTOGRAM_ROWS][LIGHT_HISTOGRAM_SIDE + 1];  // of each row
 };
