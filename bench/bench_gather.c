@@ -206,9 +206,9 @@ WRAP_VOID(INTERACTION, scene_shading_point_make,
            struct shading_point *out),
           (scene, s, d, out))
 WRAP_VOID(LOOKUP, photon_irradiance_many,
-          (const struct photon_maps *maps, const struct satin_scene *scene, size_t count,
-           const vec3 *p, const vec3 *n, int bounces, rgb *E, float *radius, int *entry),
-          (maps, scene, count, p, n, bounces, E, radius, entry))
+          (const struct photon_maps *maps, const struct satin_scene *scene,
+           const struct photon_lookups *lookups),
+          (maps, scene, lookups))
 WRAP_VOID(k == 1 ? NEAREST : NEAREST_FEW, photon_index_nearest,
           (const struct photon_index *index, const float *query, size_t count, int k, float far2,
            int *row, float *distance2),
