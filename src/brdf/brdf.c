@@ -42,12 +42,6 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
     return status ? status : brdf_albedo_prepare(b, arena);
 }
 
-void brdf_polish(struct brdf *b) {
-    const bool both = b->model->slots & 1u << BRDF_SLOT_ALPHA_V;
-    const float alpha = both ? maxf(b->alpha_u, b->alpha_v) : b->alpha_u;
-    if (b->model->polished && alpha <= BRDF_POLISHED) b->model = b->model->polished;
-}
-
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b) {
     struct brdf x = *a, y = *b;
     if (x.model != y.model || x.ior != y.ior || x.distribution != y.distribution ||
