@@ -21,6 +21,7 @@ struct record_rounds {
     struct render *r;
     struct render_covering covering;
     struct render_sites sites;
+    bool finer;  // whether a round after the first one is finished
 };
 
 // A level of a round.
@@ -188,6 +189,7 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
         status = cover_levels(rounds, factor, i == 0, (double)i / count, 1.0 / count);
         if (!render_has_stage(r, STAGE_RECORDS) || !render_time_remains(r)) break;
         finished = factor;
+        rounds->finer = i > 0;
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         const double seconds = render_agreed(r, stats_wall() - start);
@@ -218,6 +220,9 @@ satin_status render_records(struct render *r) {
         stats_set(&r->stats, "frame.records",
                   count_records(r) - stats_get(&r->stats, "frame.records_kept"));
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
+    // Later rounds have so many records that smoothing them costs more detail than noise.
+    if (status == SATIN_OK && timed && !rounds.finer && render_has_stage(r, STAGE_RECORDS))
+        status = fill_smooth(r->second_pass.fill, r->second_pass.shade.records.a[CACHE_IRRADIANCE]);
     if (!render_has_stage(r, STAGE_RECORDS)) stats_set(&r->stats, "records.abandoned", 1.0);
     render_sites_free(&rounds.sites);
     fill_statistics(r->second_pass.fill, &r->stats);
