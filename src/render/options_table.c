@@ -85,7 +85,7 @@ const struct option options_table[] = {
      "off, all samples take this number."},
     {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..256",
      "Gather rays per pixel sample for glossy reflection that is not cached. With a time limit it "
-     "is 1 if the image is denoised, unless the user sets another number."},
+     "is 2, or 1 if the image is denoised, unless the user sets another number."},
 
     {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
      "Photon paths for the global map; of integrator sppm, in each pass. A number that a quality "
