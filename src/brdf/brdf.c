@@ -236,7 +236,13 @@ int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_s
 
 bool brdf_facet(const struct brdf *b, vec3 wo, vec2 u, enum brdf_mode mode,
                 struct brdf_sample *delta) {
-    if (!b->model->facet(b, wo, u, delta)) return false;
+    rgb diffuse, glossy;
+    float by_diffuse, pdf;
+    if (!b->model->sample_glossy(b, wo, BRDF_GLOSSY, v3(0.0f, u.x, u.y), &delta->wi)) return false;
+    b->model->pdf(b, wo, delta->wi, BRDF_GLOSSY, &by_diffuse, &pdf);
+    if (!(pdf > 0.0f)) return false;
+    b->model->eval(b, wo, delta->wi, &diffuse, &glossy);
+    delta->weight = rgb_scale(glossy, delta->wi.z / pdf);
     const vec3 light = mode == BRDF_RADIANCE ? delta->wi : wo;
     if (has_bump(b)) delta->weight = rgb_scale(delta->weight, bump_shadowing(b, delta->wi, light));
     return true;

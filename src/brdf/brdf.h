@@ -136,6 +136,7 @@ struct brdf_model {
     bool transmits;  // whether it has lobes on both sides, for wo on either side
     bool data;       // whether `tables` are its data, set by a function of its own
     bool thin;       // whether the medium is the same on both sides
+    bool polished;   // whether its delta lobe has the directions of sample_glossy, see brdf_polish
     // Computes derived constants (b->tables); NULL if there are none.
     satin_status (*prepare)(struct brdf *b, struct arena *arena);
     // f_r of the diffuse lobe and of the glossy lobe [sr^-1]; both directions are above (z > 0), or
@@ -165,11 +166,8 @@ struct brdf_model {
     // scale, all >= 0). NULL for a model with only one of them.
     void (*probabilities)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                           float *delta);
-    // Sets the direction and weight of the delta lobe to those of a facet, which is drawn by u in
-    // [0, 1). False if it reflects nothing. NULL unless the model is a polished one.
-    bool (*facet)(const struct brdf *b, vec3 wo, vec2 u, struct brdf_sample *delta);
     // The model of the same surface if it is so smooth that it counts as polished; NULL: none.
-    const struct brdf_model *polished;
+    const struct brdf_model *if_polished;
 };
 
 // All models, ended by a NULL name.
@@ -217,7 +215,7 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena);
 // gain (docs/experiments.md). To be called after brdf_prepare, if the roughness is constant.
 #define BRDF_POLISHED 0.01f
 void brdf_polish(struct brdf *b);
-static inline bool brdf_is_polished(const struct brdf *b) { return b->model->facet; }
+static inline bool brdf_is_polished(const struct brdf *b) { return b->model->polished; }
 
 // Whether two BRDFs have the same glossy lobe, apart from the factors `specular` and
 // `transmittance`.

@@ -36,22 +36,16 @@ static bool conductor_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3
     return brdf_microfacet_reflect(conductor_facets(b), wo, u.y, u.z, wi);
 }
 
-static bool conductor_facet(const struct brdf *b, vec3 wo, vec2 u, struct brdf_sample *delta) {
-    float cos_d;
-    const float left = brdf_microfacet_draw(conductor_facets(b), wo, u, &delta->wi, &cos_d);
-    if (!(left > 0.0f)) return false;
-    const rgb f = brdf_fresnel_conductor(cos_d, b->eta, b->k);
-    delta->weight = rgb_scale(rgb_mul(b->specular, f), left);
-    return true;
-}
-
 static const struct brdf_model polished_conductor = {
     .name = "roughconductor",
     .doc = "polished metal: a delta lobe with the directions of facets",
     .lobes = BRDF_DELTA,
     .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ETA | 1u << BRDF_SLOT_K,
+    .polished = true,
+    .eval = conductor_eval,
+    .pdf = conductor_pdf,
+    .sample_glossy = conductor_sample,
     .delta = conductor_delta,
-    .facet = conductor_facet,
 };
 
 const struct brdf_model brdf_model_conductor = {
@@ -71,5 +65,5 @@ const struct brdf_model brdf_model_roughconductor = {
     .eval = conductor_eval,
     .pdf = conductor_pdf,
     .sample_glossy = conductor_sample,
-    .polished = &polished_conductor,
+    .if_polished = &polished_conductor,
 };

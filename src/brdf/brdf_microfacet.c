@@ -119,10 +119,3 @@ bool brdf_microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec
     *wi = v3_mad(v3_neg(wo), 2.0f * v3_dot(wo, n), n);
     return wi->z > 0.0f;
 }
-
-float brdf_microfacet_draw(struct microfacet m, vec3 wo, vec2 u, vec3 *wi, float *cos_d) {
-    if (!brdf_microfacet_reflect(m, wo, u.x, u.y, wi)) return 0.0f;
-    *cos_d = minf(0.5f * v3_len(v3_add(wo, *wi)), 1.0f);
-    const float pdf = brdf_microfacet_reflection_pdf(m, wo, *wi);
-    return pdf > 0.0f ? brdf_microfacet_reflection(m, wo, *wi) * wi->z / pdf : 0.0f;
-}

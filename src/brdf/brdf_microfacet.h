@@ -78,8 +78,4 @@ double brdf_microfacet_visible_mean(struct microfacet m, float cosine,
 // Reflects wo at a visible normal. False if the result is not above.
 bool brdf_microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi);
 
-// Draws the reflection of wo by a visible facet. Returns the fraction that other facets do not
-// mask, and sets *cos_d to the cosine to the facet's normal; 0: nothing is reflected.
-float brdf_microfacet_draw(struct microfacet m, vec3 wo, vec2 u, vec3 *wi, float *cos_d);
-
 #endif

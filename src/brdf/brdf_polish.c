@@ -4,6 +4,6 @@
 #include "brdf/brdf.h"
 
 void brdf_polish(struct brdf *b) {
-    if (b->model->polished && maxf(b->alpha_u, b->alpha_v) <= BRDF_POLISHED)
-        b->model = b->model->polished;
+    if (b->model->if_polished && maxf(b->alpha_u, b->alpha_v) <= BRDF_POLISHED)
+        b->model = b->model->if_polished;
 }

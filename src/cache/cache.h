@@ -15,7 +15,7 @@
 
 #include "base/log.h"
 #include "base/stats.h"
-#include "cache/cache_records.h"
+#include "cache/cache_taylor.h"
 #include "rsh/rsh.h"
 
 // Makes empty caches. `order` is the order of radiance records, at most RSH_MAX_ORDER; 0 if there
@@ -25,16 +25,6 @@ struct cache *cache_new(const struct satin_scene *scene, const satin_options *op
 void cache_free(struct cache *cache);  // NULL is allowed
 
 // ---- Reading (cache_read.c) ---------------------------------------------------------------------
-
-// A point at which interpolated light is needed.
-struct cache_lookup {
-    vec3 p, n;               // position, and normal without bump and normal maps
-    struct frame frame;      // of the BRDF; its n is the normal with bump and normal maps
-    float fallback_radius;   // where no record is accurate enough, the nearest one within this
-                             // distance is used; 0: none is
-    float gather_deviation;  // relative standard deviation of gathering at the point instead of
-                             // reading records
-};
 
 // Sums over the records of an interpolation. A fallback record has weight 1.
 struct cache_used {

@@ -20,83 +20,9 @@ static int find_or_nearest(const struct cache *cache, const struct cache_tree *t
     return 1;
 }
 
-// The offset from a record to p, limited to the length for which the record's gradient is valid.
-static vec3 offset_from(const struct cache_head *h, vec3 p, float a) {
-    vec3 d = v3_sub(p, h->p);
-    float length = v3_len(d), most = a * h->R;
-    return length > most ? v3_mul(d, most / length) : d;
-}
-
-// A record's value and gradients, and the offset and rotation from it to the point. Also used for
-// weighted sums of these.
-struct taylor {
-    float value[3];
-    vec3 offset, grad[3];             // on the surface
-    vec3 rotation, rotation_grad[3];  // of the normal
-};
-
-static float by_gradients(const struct taylor *t, int c) {
-    return v3_dot(t->offset, t->grad[c]) + v3_dot(t->rotation, t->rotation_grad[c]);
-}
-
-// The value at the point from this record alone.
-static rgb value_alone(const struct taylor *t) {
-    return rgb_make(t->value[0] + by_gradients(t, 0), t->value[1] + by_gradients(t, 1),
-                    t->value[2] + by_gradients(t, 2));
-}
-
-// A value that is extrapolated by its gradient has an error of half the second derivative times the
-// squared distance; the mean of values without gradients has the opposite error. So each record's
-// gradient is applied to half of its offset, and the mean gradient to half of the mean offset: if
-// records surround the point, errors of second order cancel.
-static void add_record(struct taylor *sum, const struct taylor *t, float weight) {
-    for (int c = 0; c < 3; c++) {
-        sum->value[c] += weight * (t->value[c] + 0.5f * by_gradients(t, c));
-        sum->grad[c] = v3_mad(sum->grad[c], weight, t->grad[c]);
-        sum->rotation_grad[c] = v3_mad(sum->rotation_grad[c], weight, t->rotation_grad[c]);
-    }
-    sum->offset = v3_mad(sum->offset, weight, t->offset);
-    sum->rotation = v3_mad(sum->rotation, weight, t->rotation);
-}
-
-static rgb mean_value(const struct taylor *sum, float weight) {
-    const float inverse = 1.0f / weight, half = 0.5f * inverse * inverse;
-    float mean[3];
-    for (int c = 0; c < 3; c++)
-        mean[c] = at_least(inverse * sum->value[c] + half * by_gradients(sum, c), 0.0f);
-    return rgb_make(mean[0], mean[1], mean[2]);
-}
-
-// E on a facet that is rotated from the normal n to `facing`, where E and its rotation gradient are
-// those of the normal `from`.
-static struct taylor rotate_value(const struct cache_irradiance_value *value, vec3 from, vec3 n,
-                                  vec3 facing) {
-    const float cosine = minf(v3_dot(n, facing), 1.0f);
-    struct taylor t = {{cosine * value->E.r, cosine * value->E.g, cosine * value->E.b},
-                       .rotation = v3_cross(from, facing)};
-    for (int c = 0; c < 3; c++) t.rotation_grad[c] = value->grad_r[c];
-    return t;
-}
-
 rgb cache_rotate_irradiance(const struct cache_irradiance_value *value, vec3 n, vec3 facing) {
-    const struct taylor t = rotate_value(value, n, n, facing);
-    return rgb_at_least(value_alone(&t), 0.0f);
-}
-
-// E of one record at a point, on a facet that bumps rotate.
-static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
-                                   const struct cache_lookup *at, float a) {
-    const struct cache_head *h = &cache->store[CACHE_IRRADIANCE].tree.head[record];
-    const struct cache_irradiance_value *value =
-        &cache->store[CACHE_IRRADIANCE].irradiance[record].value;
-    struct taylor t = rotate_value(value, h->n, at->n, at->frame.n);
-    t.offset = offset_from(h, at->p, a);
-    const bool gradients = cache->store[CACHE_IRRADIANCE].options.gradients != SATIN_GRADIENTS_NONE;
-    for (int c = 0; c < 3; c++) {
-        t.grad[c] = gradients ? value->grad_t[c] : v3(0, 0, 0);
-        if (!gradients) t.rotation_grad[c] = v3(0, 0, 0);
-    }
-    return t;
+    const struct cache_taylor t = cache_taylor_rotate(value, n, n, facing);
+    return rgb_at_least(cache_taylor_value(&t), 0.0f);
 }
 
 // Returns radius_ratio of a record, see fill_extent.
@@ -126,8 +52,8 @@ struct disagreement {
     float weight, Y, Y2;
 };
 
-static void add_disagreement(struct disagreement *sum, const struct taylor *t, float weight) {
-    const float Y = rgb_luminance(value_alone(t));
+static void add_disagreement(struct disagreement *sum, const struct cache_taylor *t, float weight) {
+    const float Y = rgb_luminance(cache_taylor_value(t));
     sum->weight += weight;
     sum->Y += weight * Y;
     sum->Y2 += weight * Y * Y;
@@ -155,12 +81,12 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
     if (count == 0) return used;
-    struct taylor sum = {0};
+    struct cache_taylor sum = {0};
     struct disagreement sums = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
-        const struct taylor t = irradiance_of(cache, record, at, a);
-        add_record(&sum, &t, near[i].weight);
+        const struct cache_taylor t = cache_taylor_irradiance(cache, record, at, a);
+        cache_taylor_add(&sum, &t, near[i].weight);
         add_disagreement(&sums, &t, near[i].weight);
         add_used(&used, &tree->head[record], near[i].weight, whole,
                  cache->store[CACHE_IRRADIANCE].irradiance[record].value.rays);
@@ -168,7 +94,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     if (is_oversized(cache, irradiance_ratio, near, count) &&
         (count == 1 || disagreement_exceeds(&sums, at->gather_deviation)))
         return (struct cache_used){0};
-    *E = mean_value(&sum, used.weight);
+    *E = cache_taylor_mean(&sum, used.weight);
     return used;
 }
 
@@ -198,9 +124,9 @@ static void product(const struct cache_radiance_record *record, const struct cac
 
 // The radiance of one record that a lobe, given in the lookup's frame, reflects. *noise, if not
 // NULL, is set to a sample of the noise of its luminance.
-static struct taylor radiance_of(const struct cache *cache, uint32_t index,
-                                 const struct cache_lookup *at, float a, struct cache_lobe lobe,
-                                 float *noise) {
+static struct cache_taylor radiance_of(const struct cache *cache, uint32_t index,
+                                       const struct cache_lookup *at, float a,
+                                       struct cache_lobe lobe, float *noise) {
     const struct cache_radiance_record *record = &cache->store[CACHE_RADIANCE].radiance[index];
     const struct frame *frame = &record->frame;
     float rotated[3 * RSH_MAX_COEFFICIENTS], sum[CACHE_LANES];
@@ -208,9 +134,9 @@ static struct taylor radiance_of(const struct cache *cache, uint32_t index,
     product(record, &lobe, sum);
     if (noise) *noise = fabsf(sum[3]);
     const rgb rest = cache_residual_read(&record->residual, &lobe);
-    struct taylor t = {
+    struct cache_taylor t = {
         {sum[0] + rest.r, sum[1] + rest.g, sum[2] + rest.b},
-        .offset = offset_from(&cache->store[CACHE_RADIANCE].tree.head[index], at->p, a)};
+        .offset = cache_taylor_offset(&cache->store[CACHE_RADIANCE].tree.head[index], at->p, a)};
     if (cache->store[CACHE_RADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++)
         t.grad[c] = v3_mad(v3_mul(frame->u, sum[4 + c]), sum[8 + c], frame->v);
@@ -227,20 +153,20 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     if (count == 0) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
-    struct taylor reflected = {0}, diffuse = {0};
+    struct cache_taylor reflected = {0}, diffuse = {0};
     struct disagreement glossy_sums = {0}, diffuse_sums = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const float w = near[i].weight;
-        struct taylor t;
+        struct cache_taylor t;
         if (lobe) {
             t = radiance_of(cache, record, at, a, *lobe, NULL);
-            add_record(&reflected, &t, w);
+            cache_taylor_add(&reflected, &t, w);
             add_disagreement(&glossy_sums, &t, w);
         }
         if (E) {
             t = radiance_of(cache, record, at, a, cosine, NULL);
-            add_record(&diffuse, &t, w);
+            cache_taylor_add(&diffuse, &t, w);
             add_disagreement(&diffuse_sums, &t, w);
         }
         add_used(&used, &tree->head[record], w, whole,
@@ -250,8 +176,8 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
         (count == 1 || disagreement_exceeds(&glossy_sums, at->gather_deviation) ||
          disagreement_exceeds(&diffuse_sums, at->gather_deviation)))
         return (struct cache_used){0};
-    if (lobe) *glossy = mean_value(&reflected, used.weight);
-    if (E) *E = mean_value(&diffuse, used.weight);
+    if (lobe) *glossy = cache_taylor_mean(&reflected, used.weight);
+    if (E) *E = cache_taylor_mean(&diffuse, used.weight);
     return used;
 }
 
@@ -263,8 +189,8 @@ bool cache_has_record_near(const struct cache *cache, vec3 p, vec3 n, float radi
 float cache_irradiance_reflected(const struct cache *cache, uint32_t record,
                                  const struct cache_lookup *at, float a,
                                  const struct cache_surface *surface, float *noise) {
-    const struct taylor t = irradiance_of(cache, record, at, a);
-    const float Y = rgb_luminance(rgb_mul(surface->diffuse, value_alone(&t)));
+    const struct cache_taylor t = cache_taylor_irradiance(cache, record, at, a);
+    const float Y = rgb_luminance(rgb_mul(surface->diffuse, cache_taylor_value(&t)));
     *noise = cache->store[CACHE_IRRADIANCE].irradiance[record].deviation * Y;
     return Y;
 }
@@ -274,18 +200,18 @@ float cache_radiance_reflected(const struct cache *cache, uint32_t record,
                                const struct cache_surface *surface, float *noise) {
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
-    struct taylor t;
+    struct cache_taylor t;
     rgb L = rgb_grey(0.0f);
     float factor = 0.0f;
     *noise = 0.0f;
     if (surface->lobe.order) {
         t = radiance_of(cache, record, at, a, surface->lobe, &factor);
-        L = rgb_mul(surface->specular, value_alone(&t));
+        L = rgb_mul(surface->specular, cache_taylor_value(&t));
         *noise += factor * rgb_luminance(surface->specular);
     }
     if (!rgb_black(surface->diffuse)) {
         t = radiance_of(cache, record, at, a, cosine, &factor);
-        L = rgb_fma(L, surface->diffuse, value_alone(&t));
+        L = rgb_fma(L, surface->diffuse, cache_taylor_value(&t));
         *noise += factor * rgb_luminance(surface->diffuse);
     }
     return rgb_luminance(L);

@@ -133,9 +133,7 @@ float cache_tree_error(const struct cache_head *h, vec3 p, vec3 n) {
     return distance(h, v3_sub(p, h->p)) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
 }
 
-// The weight of the record at (p, n) [K05 (2.3)], 0 if it is not in S. Deviation: 1 - error / a
-// instead of 1 / error, so that it decreases to 0 where the record leaves S.
-static float weight_at(const struct cache_head *h, vec3 p, vec3 n, float a) {
+float cache_tree_weight(const struct cache_head *h, vec3 p, vec3 n, float a) {
     vec3 d = v3_sub(p, h->p);
     float own = a * h->scale, limit = own * h->R;
     if (v3_len2(d) >= limit * limit) return 0.0f;
@@ -156,7 +154,7 @@ int cache_tree_find(const struct cache_tree *tree, vec3 p, vec3 n, float a,
     do {
         for (uint32_t i = tree->node[at].first; i; i = tree->ref[i - 1].next) {
             uint32_t record = tree->ref[i - 1].record;
-            float w = weight_at(&tree->head[record], p, n, a);
+            float w = cache_tree_weight(&tree->head[record], p, n, a);
             if (w > 0.0f && count < CACHE_NEAR_MAX) near[count++] = (struct cache_near){record, w};
         }
         at = tree->node[at].child[descend(p, &lo, &size)];
@@ -171,7 +169,8 @@ bool cache_tree_covered(const struct cache_tree *tree, vec3 p, vec3 n, float a) 
     uint32_t at = 0;
     do {
         for (uint32_t i = tree->node[at].first; i; i = tree->ref[i - 1].next)
-            if (weight_at(&tree->head[tree->ref[i - 1].record], p, n, a) > 0.0f) return true;
+            if (cache_tree_weight(&tree->head[tree->ref[i - 1].record], p, n, a) > 0.0f)
+                return true;
         at = tree->node[at].child[descend(p, &lo, &size)];
     } while (at);
     return false;

@@ -62,6 +62,9 @@ void cache_tree_free(struct cache_tree *tree);  // leaves all members zero, whic
 bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head);
 // The error of a record at (p, n): d / R + sqrt(1 - n . n_i) [K05 (2.3)].
 float cache_tree_error(const struct cache_head *head, vec3 p, vec3 n);
+// The weight of a record at (p, n) [K05 (2.3)], in [0, 1], 0 if it is not in S. Deviation: 1 -
+// error / a instead of 1 / error, so that it decreases to 0 where the record leaves S.
+float cache_tree_weight(const struct cache_head *head, vec3 p, vec3 n, float a);
 // The set S at (p, n): records with an error below a times their scale that are not in front of p.
 // Finds at most CACHE_NEAR_MAX, in a fixed order, and returns their number. The weight of a record
 // decreases to 0 where it leaves S.

@@ -17,24 +17,22 @@ enum {
 // The accuracy at which records count as near, over that at which the image reads them. With 1 the
 // means of 5x5 pixels of a furnished room had as much noise as without smoothing, with 2 .64.
 static const float SMOOTH_WIDER = 2.0f;
-// A record's largest distance from the tangent plane of another, as in cache_tree.c.
-static const float SMOOTH_SLAB = 0.4f;
 
 struct smoothing {
     const struct cache *cache;
     const struct cache_store *store;
     struct cache_irradiance_value *value;  // the results, by record
-    float limit;                           // of the error of a near record
+    float limit;                           // the accuracy at which records are near
 };
 
 // The weighted sums around one record.
 struct smooth_sum {
     const struct smoothing *smoothing;
     uint32_t record;
-    float Y, variance;  // of its luminance
+    struct cache_lookup at;  // the record's point
+    float Y, variance;       // of its luminance
     float weight;
-    vec3 offset, rotation;
-    struct cache_irradiance_value value;
+    struct cache_taylor all;
     uint32_t around[AROUND_MOST];
     int count;
 };
@@ -43,17 +41,6 @@ static float luminance_variance(const struct cache_irradiance_record *r) {
     return sqrf(r->deviation * rgb_luminance(r->value.E));
 }
 
-static bool is_near(const struct smooth_sum *sum, const struct cache_head *h,
-                    const struct cache_head *other) {
-    const float limit = sum->smoothing->limit;
-    const vec3 d = v3_sub(h->p, other->p);
-    return cache_tree_error(other, h->p, h->n) < limit &&
-           cache_tree_error(h, other->p, other->n) < limit &&
-           fabsf(v3_dot(d, other->n)) < SMOOTH_SLAB * limit * other->R &&
-           fabsf(v3_dot(d, h->n)) < SMOOTH_SLAB * limit * h->R;
-}
-
-// Adds record `other`. Its gradient is applied to half of the offset, as in cache_read.c.
 static void add_around(void *ctx, uint32_t other) {
     struct smooth_sum *sum = ctx;
     const struct smoothing *s = sum->smoothing;
@@ -61,45 +48,32 @@ static void add_around(void *ctx, uint32_t other) {
         if (sum->around[i] == other) return;
     const struct cache_head *h = &s->store->tree.head[sum->record],
                             *from = &s->store->tree.head[other];
-    if (sum->count == AROUND_MOST || !is_near(sum, h, from)) return;
+    float weight = cache_tree_weight(from, h->p, h->n, s->limit);
+    if (sum->count == AROUND_MOST || !(weight > 0.0f) ||
+        !(cache_tree_weight(h, from->p, from->n, s->limit) > 0.0f))
+        return;
     const struct cache_irradiance_record *r = &s->store->irradiance[other];
-    const vec3 offset = v3_sub(h->p, from->p), rotation = v3_cross(from->n, h->n);
-    const float cosine = v3_dot(from->n, h->n);
-    rgb E = rgb_scale(r->value.E, cosine), change = rgb_grey(0.0f);
-    float *const to[3] = {&change.r, &change.g, &change.b};
-    for (int c = 0; c < 3; c++)
-        *to[c] = v3_dot(offset, r->value.grad_t[c]) + v3_dot(rotation, r->value.grad_r[c]);
-    float weight = (float)r->value.rays * (1.0f - cache_tree_error(from, h->p, h->n) / s->limit);
+    const struct cache_taylor t = cache_taylor_irradiance(s->cache, other, &sum->at, s->limit);
+    weight *= (float)r->value.rays;
     if (other != sum->record) {
-        const float difference = rgb_luminance(rgb_add(E, change)) - sum->Y;
+        const float difference = rgb_luminance(cache_taylor_value(&t)) - sum->Y;
         const float variance = sum->variance + luminance_variance(r);
         weight *= variance > 0.0f ? expf(-0.5f * sqrf(difference) / variance) : 0.0f;
         if (!(weight > 0.0f) || cache_leaks(s->cache, from, h->p)) return;
     }
     sum->around[sum->count++] = other;
     sum->weight += weight;
-    sum->value.E = rgb_mad(sum->value.E, rgb_mad(E, change, 0.5f), weight);
-    sum->offset = v3_mad(sum->offset, weight, offset);
-    sum->rotation = v3_mad(sum->rotation, weight, rotation);
-    for (int c = 0; c < 3; c++) {
-        sum->value.grad_t[c] = v3_mad(sum->value.grad_t[c], weight, r->value.grad_t[c]);
-        sum->value.grad_r[c] = v3_mad(sum->value.grad_r[c], weight, r->value.grad_r[c]);
-    }
+    cache_taylor_add(&sum->all, &t, weight);
 }
 
-// The mean; half of the change from the mean position is by the mean gradient.
 static struct cache_irradiance_value mean_around(const struct smooth_sum *sum, uint32_t rays) {
     const float inverse = 1.0f / sum->weight;
-    struct cache_irradiance_value mean = {.rays = rays};
-    float change[3];
+    struct cache_irradiance_value mean = {.E = cache_taylor_mean(&sum->all, sum->weight),
+                                          .rays = rays};
     for (int c = 0; c < 3; c++) {
-        mean.grad_t[c] = v3_mul(sum->value.grad_t[c], inverse);
-        mean.grad_r[c] = v3_mul(sum->value.grad_r[c], inverse);
-        change[c] = 0.5f * inverse *
-                    (v3_dot(sum->offset, mean.grad_t[c]) + v3_dot(sum->rotation, mean.grad_r[c]));
+        mean.grad_t[c] = v3_mul(sum->all.grad[c], inverse);
+        mean.grad_r[c] = v3_mul(sum->all.rotation_grad[c], inverse);
     }
-    mean.E = rgb_at_least(
-        rgb_add(rgb_scale(sum->value.E, inverse), rgb_make(change[0], change[1], change[2])), 0.0f);
     return mean;
 }
 
@@ -109,7 +83,9 @@ static void smooth_records(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) {
         const struct cache_head *h = &s->store->tree.head[i];
         const struct cache_irradiance_record *r = &s->store->irradiance[i];
-        struct smooth_sum sum = {.smoothing = s, .record = (uint32_t)i};
+        struct smooth_sum sum = {.smoothing = s,
+                                 .record = (uint32_t)i,
+                                 .at = {.p = h->p, .n = h->n, .frame = frame_from_normal(h->n)}};
         sum.Y = rgb_luminance(r->value.E);
         sum.variance = luminance_variance(r);
         cache_tree_visit(&s->store->tree, h->p, s->limit * h->R, add_around, &sum);

@@ -30,11 +30,10 @@ static float clear_distance(const struct satin_scene *scene, vec3 o, vec3 d, flo
 
 // Whether a surface of the same orientation is below the point `t` along w.
 static bool surface_below(const struct raised_disc *disc, vec3 w, float t) {
-    struct ray ray = {v3_mad(disc->origin, t, w), 0.0f, v3_neg(disc->n),
-                      disc->height + DEPTH * disc->r};
-    struct interaction s;
-    if (!scene_intersect_whole(disc->scene, &ray, &s)) return false;
-    return fabsf(v3_dot(s.ng, disc->n)) > PHOTON_FACING;
+    vec3 p, ng;
+    return photon_surface_below(disc->scene, v3_mad(disc->origin, t, w), disc->n,
+                                disc->height + DEPTH * disc->r, &p, &ng) &&
+           v3_dot(ng, disc->n) > PHOTON_FACING;
 }
 
 // How far the surface extends along w, in units of r; beyond 1 it is the distance to a wall.
@@ -88,6 +87,16 @@ bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r)
         if (clear_distance(scene, disc.origin, w, r) < r || !surface_below(&disc, w, 0.98f * r))
             return false;
     }
+    return true;
+}
+
+bool photon_surface_below(const struct satin_scene *scene, vec3 above, vec3 n, float depth, vec3 *p,
+                          vec3 *ng) {
+    const struct ray down = {above, 0.0f, v3_neg(n), depth};
+    struct interaction s;
+    if (!scene_intersect_whole(scene, &down, &s)) return false;
+    *p = s.p;
+    *ng = v3_dot(s.ng, n) < 0.0f ? v3_neg(s.ng) : s.ng;
     return true;
 }
 

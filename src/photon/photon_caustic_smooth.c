@@ -73,11 +73,7 @@ static bool find_position(const struct estimating *loop, size_t site, vec3 *p, v
     vec3 above =
         v3_mad(photon_entry_position(&r->position, entry), aside * cosf(rotation), frame.u);
     above = v3_mad(v3_mad(above, aside * sinf(rotation), frame.v), SMOOTH_HEIGHT * aside, *n);
-    const struct ray down = {above, 0.0f, v3_neg(*n), 2.0f * SMOOTH_HEIGHT * aside};
-    struct interaction s;
-    if (!scene_intersect_whole(scene, &down, &s)) return false;
-    *p = s.p;
-    *n = v3_dot(s.ng, *n) < 0.0f ? v3_neg(s.ng) : s.ng;
+    if (!photon_surface_below(scene, above, *n, 2.0f * SMOOTH_HEIGHT * aside, p, n)) return false;
     return photon_irradiance_visible(r, scene, (int)entry, *p, *n);
 }
 

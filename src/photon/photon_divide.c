@@ -79,12 +79,12 @@ static bool move_along(const struct satin_scene *scene, vec3 offset, vec3 n,
     const float height = DIVIDE_HEIGHT * v3_len(offset);
     const vec3 from = v3_mad(hit->p, height, n), above = v3_add(from, offset);
     const struct ray along = scene_spawn_to(scene, from, n, above, v3(0, 0, 0));
-    const struct ray down = {above, 0.0f, v3_neg(n), 2.0f * height};
-    struct interaction s;
-    if (scene_occluded(scene, &along) || !scene_intersect_whole(scene, &down, &s)) return false;
-    const vec3 ng = v3_dot(s.ng, n) < 0.0f ? v3_neg(s.ng) : s.ng;
-    if (v3_dot(ng, n) < PHOTON_FACING) return false;
-    hit->p = s.p;
+    vec3 p, ng;
+    if (scene_occluded(scene, &along) ||
+        !photon_surface_below(scene, above, n, 2.0f * height, &p, &ng) ||
+        v3_dot(ng, n) < PHOTON_FACING)
+        return false;
+    hit->p = p;
     hit->n = photon_pack(ng);
     return true;
 }

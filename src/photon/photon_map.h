@@ -157,6 +157,10 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
                       struct photon_area *out);
 // Whether the surface covers the whole disc; fast if it does not.
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r);
+// The surface below a point, up to `depth` against n: its position and its geometric normal on the
+// side of n. False if there is none; then they are unchanged. Holes of masks count as surface.
+bool photon_surface_below(const struct satin_scene *scene, vec3 above, vec3 n, float depth, vec3 *p,
+                          vec3 *ng);
 // Whether p + d is within the area.
 bool photon_area_has(const struct photon_area *area, vec3 d, float r);
 

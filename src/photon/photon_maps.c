@@ -135,14 +135,14 @@ static float mean_irradiance(const struct photon_irradiance *r) {
     return area > 0.0 ? (float)(sum / area) : 0.0f;
 }
 
-// The radius at which a caustic estimate from all its photons would be faint: a wider search would
-// take long for an invisible result.
-static float faint_radius(const struct photon_maps *maps) {
+// The radius at which a caustic estimate from all its photons would be faint beside the mean
+// irradiance: a wider search would take long for an invisible result.
+static float faint_radius(const struct photon_maps *maps, float irradiance) {
     const struct photon_map *map = &maps->caustic;
     double power = 0.0;
     for (size_t i = 0; i < map->count; i++) power += (double)rgb_luminance(map->photon[i].power);
     const double mean = power / (double)map->count;
-    const double least = (double)(MAP_FAINT * mean_irradiance(&maps->irradiance));
+    const double least = (double)(MAP_FAINT * irradiance);
     return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
 }
 
@@ -181,10 +181,10 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     status = photon_map_trace(&tracing, pass->pool, pass->log, pass->stats, &maps->caustic, trace);
     guide_emission_free(emission);
     if (status != SATIN_OK) return status;
+    const float irradiance = mean_irradiance(&maps->irradiance);
     if (maps->caustic.count > 0)
-        maps->caustic.radius_max = fminf(maps->caustic.radius_max, faint_radius(maps));
-    const struct photon_divide divide = {o->seed, maps->caustic_k,
-                                         mean_irradiance(&maps->irradiance), maps->lookup_max};
+        maps->caustic.radius_max = fminf(maps->caustic.radius_max, faint_radius(maps, irradiance));
+    const struct photon_divide divide = {o->seed, maps->caustic_k, irradiance, maps->lookup_max};
     status = photon_map_divide(&divide, pass->scene, pass->pool, pass->log, &maps->caustic);
     if (status != SATIN_OK) return status;
     return precompute_map(pass,

@@ -11,20 +11,6 @@
 #include "base/rng.h"
 #include "scene/scene_opacity.h"
 
-// Components are of the scene's arena, and so may be changed with the material.
-static void polish(struct material_side *side) {
-    for (int i = 0; i < 2 && side->component[0]; i++)
-        polish((struct material_side *)side->component[i]);
-    if (side->component[0] || side->slot[BRDF_SLOT_ALPHA_U] || side->slot[BRDF_SLOT_ALPHA_V])
-        return;
-    brdf_polish(&side->base);
-}
-
-void scene_material_polish(struct material *m) {
-    polish(&m->front);
-    polish(&m->back);
-}
-
 static void visit(const struct material_side *side,
                   void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
     if (!side->component[0]) {
@@ -40,6 +26,15 @@ void scene_material_visit(const struct material *m,
     visit(&m->front, fn, ctx);
     if (m->two_sided) visit(&m->back, fn, ctx);
 }
+
+// Sides are of the material or of the scene's arena, and so may be changed with the material.
+static void polish_side(void *ctx, const struct material_side *side) {
+    (void)ctx;
+    if (side->slot[BRDF_SLOT_ALPHA_U] || side->slot[BRDF_SLOT_ALPHA_V]) return;
+    brdf_polish(&((struct material_side *)side)->base);
+}
+
+void scene_material_polish(struct material *m) { scene_material_visit(m, polish_side, NULL); }
 
 // Properties of all sides of a material together.
 struct union_of {
