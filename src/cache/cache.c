@@ -25,37 +25,25 @@ static void project_cosine(float *out, satin_basis basis, int order) {
     }
 }
 
+// The options that both kinds of records have, which satin_options names irradiance_a, radiance_a
+// and so on.
+#define OPTIONS_OF(o, kind)                                                                   \
+    {                                                                                         \
+        .cache = (o)->kind##_cache, .a = (o)->kind##_a, .widen = (o)->kind##_widen,           \
+        .rays = (o)->kind##_rays, .noise = (o)->kind##_noise, .basis = (o)->radiance_basis,   \
+        .gradients = (o)->kind##_gradients, .radius = (o)->kind##_radius,                     \
+        .gradient_clamp = (o)->kind##_gradient_clamp,                                         \
+        .neighbour_clamp = (o)->kind##_neighbour_clamp, .min_pixels = (o)->kind##_min_pixels, \
+        .max_pixels = (o)->kind##_max_pixels, .max_radius = (o)->record_max_radius            \
+    }
+
 void cache_options_of(const satin_options *o, struct cache_options out[CACHE_KINDS]) {
-    out[CACHE_IRRADIANCE] = (struct cache_options){.cache = o->irradiance_cache,
-                                                   .a = o->irradiance_a,
-                                                   .widen = o->irradiance_widen,
-                                                   .rays = o->irradiance_rays,
-                                                   .noise = o->irradiance_noise,
-                                                   .basis = o->radiance_basis,
-                                                   .gradients = o->irradiance_gradients,
-                                                   .radius = o->irradiance_radius,
-                                                   .gradient_clamp = o->irradiance_gradient_clamp,
-                                                   .neighbour_clamp = o->irradiance_neighbour_clamp,
-                                                   .min_pixels = o->irradiance_min_pixels,
-                                                   .max_pixels = o->irradiance_max_pixels,
-                                                   .max_radius = o->record_max_radius};
-    out[CACHE_RADIANCE] =
-        (struct cache_options){.cache = o->radiance_cache,
-                               .diffuse = o->radiance_cache && o->radiance_diffuse,
-                               .a = o->radiance_a,
-                               .widen = o->radiance_widen,
-                               .rays = o->radiance_rays,
-                               .noise = o->radiance_noise,
-                               .basis = o->radiance_basis,
-                               .gradients = o->radiance_gradients,
-                               .radius = o->radiance_radius,
-                               .gradient_clamp = o->radiance_gradient_clamp,
-                               .curvature_clamp = o->radiance_curvature_clamp,
-                               .neighbour_clamp = o->radiance_neighbour_clamp,
-                               .min_pixels = o->radiance_min_pixels,
-                               .max_pixels = o->radiance_max_pixels,
-                               .max_radius = o->record_max_radius};
+    out[CACHE_IRRADIANCE] = (struct cache_options)OPTIONS_OF(o, irradiance);
+    out[CACHE_RADIANCE] = (struct cache_options)OPTIONS_OF(o, radiance);
+    out[CACHE_RADIANCE].diffuse = o->radiance_cache && o->radiance_diffuse;
+    out[CACHE_RADIANCE].curvature_clamp = o->radiance_curvature_clamp;
 }
+#undef OPTIONS_OF
 
 struct cache *cache_new(const struct satin_scene *scene, const satin_options *options, int order) {
     struct cache *c = calloc(1, sizeof *c);
