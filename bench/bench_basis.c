@@ -46,8 +46,8 @@ static float x[COUNT], y[COUNT], z[COUNT];  // directions, the same at every poi
 static void project_light(const float *value, float out[BASES][N2]) {
     for (int basis = 0; basis < BASES; basis++) {
         for (int k = 0; k < N2; k++) out[basis][k] = 0.0f;
-        rsh_project(basis ? RSH_SPHERE : RSH_HEMISPHERE, ORDER, COUNT, x, y, z, value, NULL, NULL,
-                    out[basis]);
+        const rsh_samples samples = {COUNT, x, y, z, value, NULL, NULL};
+        rsh_project(basis ? RSH_SPHERE : RSH_HEMISPHERE, ORDER, &samples, out[basis]);
     }
 }
 

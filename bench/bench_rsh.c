@@ -96,9 +96,10 @@ static void run_extend(const struct timed *c) {
 }
 
 static void run_align(const struct timed *c) {
-    for (int i = 0; i < CALLS; i++)
-        rsh_align_transposed((rsh_basis)c->method, c->order, c->channels, frames[i], frames[i + 1],
-                             c->limit, coefficients, result);
+    for (int i = 0; i < CALLS; i++) {
+        const rsh_alignment alignment = {(rsh_basis)c->method, frames[i], frames[i + 1], c->limit};
+        rsh_align_transposed(&alignment, c->order, c->channels, coefficients, result);
+    }
 }
 
 // The operations of hemispherical alignment by matrices of reprojection: two rotations about z, and

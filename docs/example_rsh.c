@@ -36,7 +36,8 @@ int main(void) {
 
     // Projection adds to the coefficients; they lie channel after channel.
     float light[3 * N] = {0}, rotated[3 * N], seen[3];
-    rsh_project(RSH_SPHERE, ORDER, SAMPLES, x, y, z, value[0], value[1], value[2], light);
+    const rsh_samples sky = {SAMPLES, x, y, z, value[0], value[1], value[2]};
+    rsh_project(RSH_SPHERE, ORDER, &sky, light);
 
     // A rotation by 90 degrees about z brings the sun from +x to +y.
     const float quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};

@@ -62,13 +62,16 @@ RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], 
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 
-// Adds sum_i value_i H(w_i) to out[3 * n * n] for the values r, g and b [count each], which include
-// the samples' weights [sr]: with r in the unit of the function times [sr], `out` has the unit of
-// the function times [sr^1/2]. If g and b are both NULL, there is one channel: r, out[n * n].
+// Samples of a function, as arrays of `count` entries each.
+typedef struct rsh_samples {
+    size_t count;
+    const float *x, *y, *z;  // directions
+    const float *r, *g, *b;  // values times the samples' weights [sr]; g and b NULL: one channel, r
+} rsh_samples;
+// Adds sum_i value_i H(w_i) to out[3 * n * n], or to out[n * n] if there is one channel. With
+// values in the unit of the function times [sr], `out` has the unit of the function times [sr^1/2].
 // Thread-safe.
-RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
-                         const float *z, const float *r, const float *g, const float *b,
-                         float *out);
+RSH_API bool rsh_project(rsh_basis basis, int order, const rsh_samples *samples, float *out);
 
 // Projects onto a basis that is given as a constant matrix: out[c * coefficients + k] +=
 // sum_i matrix[i * coefficients + k] * value_c[i], c = r, g, b. With g and b NULL: one channel.
@@ -205,10 +208,16 @@ RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, cons
 RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in,
                                   float *out);
 
-// Coefficients given in frame `from`, re-expressed in frame `to`; a frame is the rows u, v, n of a
-// right-handed orthonormal basis. It is a copy if the frames agree and a rotation about z if the
-// normals do. Up to the angle `beta_limit` [rad] between the normals the fast form is used, beyond
-// it the exact one. With a beta_limit of 0 or NaN the form is always exact, with 4 never.
+// From which frame to which coefficients are aligned; a frame is the rows u, v, n of a right-handed
+// orthonormal basis. Up to the angle `beta_limit` [rad] between the normals the fast form is used,
+// beyond it the exact one. With a beta_limit of 0 or NaN the form is always exact, with 4 never.
+typedef struct rsh_alignment {
+    rsh_basis basis;
+    const float *from, *to;  // [9 each]
+    float beta_limit;
+} rsh_alignment;
+// Coefficients given in frame `from`, re-expressed in frame `to`. It is a copy if the frames agree
+// and a rotation about z if the normals do.
 //   sphere      fast: the second-order series, which adds an error of 1 % of radiance at 10 degrees
 //               and 5 % at 15 for order 10, and saves a quarter of the time or less. Exact:
 //               rsh_rotate.
@@ -218,25 +227,23 @@ RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], con
 //               Exact: through the sphere, see below; the errors are .7 %, .8 % and 1 %, of which
 //               .7 % is due to the order, 10 in this test.
 // Coefficients keep their unit. Thread-safe.
-RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float from[9],
-                       const float to[9], float beta_limit, const float *in, float *out);
+RSH_API bool rsh_align(const rsh_alignment *alignment, int order, int channels, const float *in,
+                       float *out);
 
-// The transpose of rsh_align(basis, order, ., from, to, beta_limit, ...), applied to the other
-// vector of a product: dot(c, align(lambda)) = dot(align_transposed(c), lambda). It rotates one
-// BRDF into the frame of each record, instead of each record with its derivatives and colours. With
-// a limit of pi or more it fails for nearly opposite normals, where rounding determines the axis of
-// the series. Keeps the unit. Thread-safe.
-RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
-                                  const float to[9], float beta_limit, const float *in, float *out);
+// The transpose of rsh_align by the same alignment, applied to the other vector of a product:
+// dot(c, align(lambda)) = dot(align_transposed(c), lambda). It rotates one BRDF into the frame of
+// each record, instead of each record with its derivatives and colours. With a limit of pi or more
+// it fails for nearly opposite normals, where rounding determines the axis of the series. Keeps the
+// unit. Thread-safe.
+RSH_API bool rsh_align_transposed(const rsh_alignment *alignment, int order, int channels,
+                                  const float *in, float *out);
 
-// What a BRDF in frame `to` reflects of a record in frame `from`: out[c] = dot(BRDF, align(value +
+// What a BRDF in the frame `to` reflects of a record in `from`: out[c] = dot(BRDF, align(value +
 // x d_dx + y d_dy)), c = r, g, b. The BRDF is rotated, not the record: one channel, or three,
 // instead of the record's nine. False also if the number of channels is neither 1 nor 3.
 typedef struct rsh_reflection {
-    rsh_basis basis;
+    rsh_alignment alignment;
     int order;
-    const float *from, *to;    // frames
-    float beta_limit;          // as for rsh_align
     const float *value;        // [3 * n * n]
     const float *d_dx, *d_dy;  // the same size; NULL: none
     float x, y;                // displacement in the record's frame, in the derivatives' length
@@ -251,20 +258,25 @@ RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 // r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
 // 64 records stay in the first cache. These calls use up to 256 kB of the calling thread's stack.
 
+// The alignments of many records, which are as rsh_alignment but for the frames.
+typedef struct rsh_alignments {
+    rsh_basis basis;
+    const float *const *from, *const *to;  // [9] pointers to [count] numbers each
+    float beta_limit;                      // [rad]
+} rsh_alignments;
+
 // Does for each record what rsh_rotate does. Keeps the unit. Thread-safe.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
 // Does for each record what rsh_rotate_taylor does. Keeps the unit. Thread-safe.
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
                                     const float *const r[9], const float *in, float *out);
-// Does for each record what rsh_align does; beta_limit is in [rad]. Thread-safe.
-RSH_API bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
-                            const float *const from[9], const float *const to[9], float beta_limit,
+// Does for each record what rsh_align does. Keeps the unit. Thread-safe.
+RSH_API bool rsh_align_many(const rsh_alignments *alignments, int order, int channels, size_t count,
                             const float *in, float *out);
-// Does for each record what rsh_align_transposed does; beta_limit is in [rad]. Thread-safe.
-RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
-                                       const float *const from[9], const float *const to[9],
-                                       float beta_limit, const float *in, float *out);
+// Does for each record what rsh_align_transposed does. Keeps the unit. Thread-safe.
+RSH_API bool rsh_align_transposed_many(const rsh_alignments *alignments, int order, int channels,
+                                       size_t count, const float *in, float *out);
 
 // Hemispherical harmonics are not closed under rotation: what rises above the horizon is unknown.
 // `extend` continues a function over the whole sphere, as spherical harmonics of order

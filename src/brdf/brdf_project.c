@@ -70,8 +70,13 @@ double brdf_project_glossy(const struct brdf *b, vec3 wo, struct project_target 
         norm += add_azimuth(b, wo, &m, PI_F * (float)k / PROJECT_AZIMUTHS, weight, rule, points);
     }
     const bool colored = target.channels == 3;
-    rsh_project(target.basis, target.order, points->count, points->x, points->y, points->z,
-                points->value[0], colored ? points->value[1] : NULL,
-                colored ? points->value[2] : NULL, c);
+    const rsh_samples samples = {points->count,
+                                 points->x,
+                                 points->y,
+                                 points->z,
+                                 points->value[0],
+                                 colored ? points->value[1] : NULL,
+                                 colored ? points->value[2] : NULL};
+    rsh_project(target.basis, target.order, &samples, c);
     return norm;
 }

@@ -194,8 +194,8 @@ static void radiance_gradients(const struct gather_hemisphere *h, satin_gradient
 static void project(const struct gather_hemisphere *h, const float *r, const float *g,
                     const float *b, float *lambda) {
     const struct gather_layout *l = h->layout;
-    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, (int)h->all, h->x,
-                h->y, h->z, r, g, b, lambda);
+    const rsh_samples samples = {h->all, h->x, h->y, h->z, r, g, b};
+    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, &samples, lambda);
 }
 
 static void project_weighted(const struct gather_hemisphere *h, float *lambda) {

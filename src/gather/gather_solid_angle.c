@@ -137,8 +137,9 @@ static void add_difference(const struct gather_hemisphere *h, size_t first, vec3
         x[i] = w.x, y[i] = w.y, z[i] = w.z;
         r[i] = h->r[i] * value, g[i] = h->g[i] * value, b[i] = h->b[i] * value;
     }
-    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, count - first,
-                x + first, y + first, z + first, r + first, g + first, b + first, out);
+    const rsh_samples samples = {count - first, x + first, y + first, z + first,
+                                 r + first,     g + first, b + first};
+    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, &samples, out);
 }
 
 void gather_solid_angle_radiance(const struct gather_hemisphere *h, bool differences, size_t first,

@@ -57,11 +57,11 @@ bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, con
     return true;
 }
 
-bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
-                 const float *z, const float *r, const float *g, const float *b, float *out) {
+bool rsh_project(rsh_basis basis, int order, const rsh_samples *s, float *out) {
     if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
-    const float *const value[3] = {r, b ? g : NULL, g ? b : NULL};
-    rsh_kernels_best()->project(basis, order, count, (const float *const[3]){x, y, z}, value, out);
+    const float *const direction[3] = {s->x, s->y, s->z};
+    const float *const value[3] = {s->r, s->b ? s->g : NULL, s->g ? s->b : NULL};
+    rsh_kernels_best()->project(basis, order, s->count, direction, value, out);
     return true;
 }
 

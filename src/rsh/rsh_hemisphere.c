@@ -85,9 +85,8 @@ static void change_of_frame(const float a[9], const float b[9], float r[9]) {
                 b[3 * i] * a[3 * j] + b[3 * i + 1] * a[3 * j + 1] + b[3 * i + 2] * a[3 * j + 2];
 }
 
-// The vectors to align: channels of an order in a basis.
+// The vectors to align.
 struct aligned {
-    rsh_basis basis;
     int order, channels;
     const float *in;
     float *out;
@@ -107,19 +106,20 @@ static bool rotation_between(bool transposed, const float from[9], const float t
 // All forms but the one through the sphere are z(alpha) Y(beta) z(gamma), with orthogonal z and
 // Y(beta)^T = Y(-beta), which also holds for the series. So the transpose is the same form with the
 // inverse rotation.
-static void align(const struct aligned *v, bool transposed, const float r[9], float beta_limit) {
+static void align(const rsh_alignment *a, bool transposed, const float r[9],
+                  const struct aligned *v) {
     struct rsh_rotation t = rsh_rotation_of_matrix(r);
     if (rsh_rotation_is_identity(&t)) {
         rsh_copy(v->order, v->channels, v->in, v->out);
         return;
     }
     if (t.method == RSH_METHOD_EXACT) {
-        bool fast = beta_limit > 0.0f && rsh_rotation_angle(&t) <= beta_limit;
-        if (v->basis == RSH_HEMISPHERE && !fast) {
+        bool fast = a->beta_limit > 0.0f && rsh_rotation_angle(&t) <= a->beta_limit;
+        if (a->basis == RSH_HEMISPHERE && !fast) {
             align_through_sphere(&t, transposed, v->order, v->channels, v->in, v->out);
             return;
         }
-        if (v->basis == RSH_HEMISPHERE) rsh_rotation_stretch(&t);
+        if (a->basis == RSH_HEMISPHERE) rsh_rotation_stretch(&t);
         if (fast) {
             t.method = RSH_METHOD_TAYLOR_2;
             t.beta = rsh_rotation_angle(&t);
@@ -129,26 +129,22 @@ static void align(const struct aligned *v, bool transposed, const float r[9], fl
 }
 
 // Aligns vectors from one frame to another. False if an argument is wrong.
-static bool align_frames(const struct aligned *v, bool transposed, const float from[9],
-                         const float to[9], float beta_limit) {
+static bool align_frames(const rsh_alignment *a, bool transposed, const struct aligned *v) {
     float r[9];
-    if (!rsh_basis_ok(v->basis) || !rsh_order_ok(v->order)) return false;
-    if (!rotation_between(transposed, from, to, r)) return false;
-    if (memcmp(from, to, 9 * sizeof *from) == 0)
+    if (!rsh_basis_ok(a->basis) || !rsh_order_ok(v->order)) return false;
+    if (!rotation_between(transposed, a->from, a->to, r)) return false;
+    if (memcmp(a->from, a->to, 9 * sizeof *a->from) == 0)
         rsh_copy(v->order, v->channels, v->in, v->out);
     else
-        align(v, transposed, r, beta_limit);
+        align(a, transposed, r, v);
     return true;
 }
 
-bool rsh_align(rsh_basis basis, int order, int channels, const float from[9], const float to[9],
-               float beta_limit, const float *in, float *out) {
-    const struct aligned v = {basis, order, channels, in, out};
-    return align_frames(&v, false, from, to, beta_limit);
+bool rsh_align(const rsh_alignment *a, int order, int channels, const float *in, float *out) {
+    return align_frames(a, false, &(struct aligned){order, channels, in, out});
 }
 
-bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
-                          const float to[9], float beta_limit, const float *in, float *out) {
-    const struct aligned v = {basis, order, channels, in, out};
-    return align_frames(&v, true, from, to, beta_limit);
+bool rsh_align_transposed(const rsh_alignment *a, int order, int channels, const float *in,
+                          float *out) {
+    return align_frames(a, true, &(struct aligned){order, channels, in, out});
 }

@@ -227,24 +227,22 @@ bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t cou
 
 // With a limit of 0 only hemispherical records whose normals agree use the fast form, which saves
 // the conversion through the sphere.
-static struct many align_many(rsh_basis basis, int order, int channels, float beta_limit) {
-    struct many j = {.basis = basis, .order = order, .channels = channels};
+static struct many align_many(const rsh_alignments *a, int order, int channels) {
+    struct many j = {.basis = a->basis, .order = order, .channels = channels};
     j.method = RSH_METHOD_EXACT;
-    j.beta_limit = beta_limit > 0.0f ? beta_limit : basis == RSH_HEMISPHERE ? 0.0f : -1.0f;
+    j.beta_limit = a->beta_limit > 0.0f ? a->beta_limit : a->basis == RSH_HEMISPHERE ? 0.0f : -1.0f;
     return j;
 }
 
-bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
-                    const float *const from[9], const float *const to[9], float beta_limit,
-                    const float *in, float *out) {
-    struct many j = align_many(basis, order, channels, beta_limit);
-    return run_many(&j, count, from, to, in, out);
+bool rsh_align_many(const rsh_alignments *a, int order, int channels, size_t count, const float *in,
+                    float *out) {
+    struct many j = align_many(a, order, channels);
+    return run_many(&j, count, a->from, a->to, in, out);
 }
 
-bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
-                               const float *const from[9], const float *const to[9],
-                               float beta_limit, const float *in, float *out) {
-    struct many j = align_many(basis, order, channels, beta_limit);
+bool rsh_align_transposed_many(const rsh_alignments *a, int order, int channels, size_t count,
+                               const float *in, float *out) {
+    struct many j = align_many(a, order, channels);
     j.transposed = true;
-    return run_many(&j, count, to, from, in, out);
+    return run_many(&j, count, a->to, a->from, in, out);
 }

@@ -9,8 +9,7 @@
 bool rsh_reflect(const rsh_reflection *r, float out[3]) {
     float rotated[3 * RSH_MAX_COEFFICIENTS], sum[3], slope[3];
     if (r->brdf_channels != 1 && r->brdf_channels != 3) return false;
-    if (!rsh_align_transposed(r->basis, r->order, r->brdf_channels, r->from, r->to, r->beta_limit,
-                              r->brdf, rotated))
+    if (!rsh_align_transposed(&r->alignment, r->order, r->brdf_channels, r->brdf, rotated))
         return false;
     int n = r->order * r->order, step = r->brdf_channels == 1 ? 0 : n;
     const struct rsh_kernels *k = rsh_kernels_best();

@@ -63,7 +63,7 @@ static void fuzz_values(struct input *in, int order, rsh_basis basis, bool wild)
     done = rsh_eval_many(basis, order, RECORDS, x, y, z, many);
     fuzz_rsh_check(done, !wild, many, n * RECORDS, MOST * RECORDS + 1);
     for (size_t i = 0; i < all; i++) out[i] = i < 3 * n ? 0.0f : MARK;
-    if (rsh_project(basis, order, RECORDS, x, y, z, x, y, z, out))
+    if (rsh_project(basis, order, &(rsh_samples){RECORDS, x, y, z, x, y, z}, out))
         fuzz_rsh_check(true, !wild, out, 3 * n, all);
     mark(out, all);
     fuzz_rsh_check(rsh_value(basis, order, CHANNELS, v, w, out), !wild, out, CHANNELS, all);
@@ -87,7 +87,7 @@ static void fuzz_rotation(struct input *in, int order, const float r[9], const f
     size_t all = CHANNELS * MOST + 1;
     rsh_basis basis = (rsh_basis)(take_byte(in) % 3);
     rsh_taylor kind = (rsh_taylor)(take_byte(in) % 4);
-    float limit = take_float(in, true);
+    const rsh_alignment alignment = {basis, r, s, take_float(in, true)};
     for (int i = 0; i < CHANNELS * MOST; i++) v[i] = take_float(in, false);
     for (int call = 0; call < 12; call++) {
         bool done = false, finite = true;
@@ -115,10 +115,10 @@ static void fuzz_rotation(struct input *in, int order, const float r[9], const f
                 done = rsh_rotate_zyz(order, CHANNELS, rsh_zyz_of_matrix(r), v, out);
                 break;
             case 7:
-                done = rsh_align(basis, order, CHANNELS, r, s, limit, v, out);
+                done = rsh_align(&alignment, order, CHANNELS, v, out);
                 break;
             case 8:
-                done = rsh_align_transposed(basis, order, CHANNELS, r, s, limit, v, out);
+                done = rsh_align_transposed(&alignment, order, CHANNELS, v, out);
                 break;
             case 9:
                 done = rsh_rotate_ivanic(order, CHANNELS, r, v, out);
@@ -158,10 +158,10 @@ static void fuzz_many(struct input *in, int order, bool wild) {
         rsh_rotate_taylor_many((rsh_taylor)(take_byte(in) % 4), order, 1, count, from, v, out);
     fuzz_rsh_check(done, true, out, n, all);
     mark(out, all);
-    fuzz_rsh_check(rsh_align_many(basis, order, 1, count, from, to, limit, v, out), true, out, n,
-                   all);
+    const rsh_alignments there = {basis, from, to, limit}, back = {basis, to, from, limit};
+    fuzz_rsh_check(rsh_align_many(&there, order, 1, count, v, out), true, out, n, all);
     mark(out, all);
-    done = rsh_align_transposed_many(basis, order, 1, count, to, from, limit, v, out);
+    done = rsh_align_transposed_many(&back, order, 1, count, v, out);
     fuzz_rsh_check(done, true, out, n, all);
 }
 

@@ -78,8 +78,9 @@ static void project_block(const struct gradients_block *b, double weight, struct
     for (int basis = 0; basis < 2; basis++) {
         float sum[3 * N2] = {0};
         double *to = basis ? out->sh : out->hsh;
-        rsh_project(basis ? RSH_SPHERE : RSH_HEMISPHERE, ORDER, BLOCK, b->x, b->y, b->z,
-                    b->value[0], b->value[1], b->value[2], sum);
+        const rsh_samples samples = {BLOCK,       b->x,        b->y,       b->z,
+                                     b->value[0], b->value[1], b->value[2]};
+        rsh_project(basis ? RSH_SPHERE : RSH_HEMISPHERE, ORDER, &samples, sum);
         for (int k = 0; k < 3 * N2; k++) to[k] += weight * (double)sum[k];
     }
 }

@@ -31,11 +31,9 @@ static float rsh_batch_map_in[CHANNELS * MAX * MOST_FRAMES],
 static float some_in[CHANNELS * MAX * MOST_COUNT], some_out[CHANNELS * MAX * MOST_COUNT];
 static float rsh_batch_map_expected[MOST_FRAMES][CHANNELS * MAX];
 
-typedef bool align_one(rsh_basis basis, int order, int channels, const float from[9],
-                       const float to[9], float beta_limit, const float *rsh_batch_map_in,
-                       float *rsh_batch_map_out);
-typedef bool align_many(rsh_basis basis, int order, int channels, size_t count,
-                        const float *const from[9], const float *const to[9], float beta_limit,
+typedef bool align_one(const rsh_alignment *alignment, int order, int channels,
+                       const float *rsh_batch_map_in, float *rsh_batch_map_out);
+typedef bool align_many(const rsh_alignments *alignments, int order, int channels, size_t count,
                         const float *rsh_batch_map_in, float *rsh_batch_map_out);
 static align_one *const ones[] = {rsh_align, rsh_align_transposed};
 static align_many *const manys[] = {rsh_align_many, rsh_align_transposed_many};
@@ -188,8 +186,8 @@ static bool rsh_batch_map_run_many(const struct rsh_batch_map_variant *v, int fi
     const float *from[9], *to[9];
     rsh_batch_map_columns(first, count, a, 0, from);
     rsh_batch_map_columns(first, count, b, 1, to);
-    return manys[v->transposed](v->basis, v->order, v->channels, (size_t)count, from, to, v->limit,
-                                from_in, to_out);
+    const rsh_alignments alignments = {v->basis, from, to, v->limit};
+    return manys[v->transposed](&alignments, v->order, v->channels, (size_t)count, from_in, to_out);
 }
 
 // Fills `in`, and `expected` by single calls.
@@ -199,9 +197,10 @@ static void rsh_batch_map_expect(const struct rsh_batch_map_variant *v, uint32_t
         float one[CHANNELS * MAX];
         noise_unit(seed, n, one);
         for (int k = 0; k < n; k++) rsh_batch_map_in[k * rsh_batch_map_frames + i] = one[k];
-        assert_true(ones[v->transposed](v->basis, v->order, v->channels, rsh_batch_map_single[i][0],
-                                        rsh_batch_map_single[i][1], v->limit, one,
-                                        rsh_batch_map_expected[i]));
+        const rsh_alignment alignment = {v->basis, rsh_batch_map_single[i][0],
+                                         rsh_batch_map_single[i][1], v->limit};
+        assert_true(
+            ones[v->transposed](&alignment, v->order, v->channels, one, rsh_batch_map_expected[i]));
     }
 }
 

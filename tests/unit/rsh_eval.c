@@ -54,20 +54,20 @@ static void horizon_is_clamped(void **state) {
 static void unknown_orders_and_bases_are_refused(void **state) {
     (void)state;
     const float w[3] = {0, 0, 1}, zero = 0;
+    const rsh_samples one = {1, &zero, &zero, &zero, &zero, &zero, &zero};
     float y[4] = {7, 7, 7, 7};
     const int orders[] = {-1, 0, RSH_MAX_ORDER + 1, INT32_MAX};
     for (int i = 0; i < 4; i++) {
         assert_false(rsh_eval(RSH_SPHERE, orders[i], w, y));
         assert_false(rsh_eval_many(RSH_SPHERE, orders[i], 1, &zero, &zero, &zero, y));
-        assert_false(
-            rsh_project(RSH_SPHERE, orders[i], 1, &zero, &zero, &zero, &zero, &zero, &zero, y));
+        assert_false(rsh_project(RSH_SPHERE, orders[i], &one, y));
         assert_false(rsh_dot3(orders[i], 1, y, y, y));
     }
     for (int basis = -1; basis < 3; basis += 3) {
         const rsh_basis bad = (rsh_basis)basis;
         assert_false(rsh_eval(bad, 1, w, y));
         assert_false(rsh_eval_many(bad, 1, 1, &zero, &zero, &zero, y));
-        assert_false(rsh_project(bad, 1, 1, &zero, &zero, &zero, &zero, &zero, &zero, y));
+        assert_false(rsh_project(bad, 1, &one, y));
     }
     for (int i = 0; i < 4; i++) assert_true(y[i] == 7.0f);
 }

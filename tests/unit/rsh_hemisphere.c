@@ -32,7 +32,8 @@ static void alignment_keeps_the_world(void **state) {
                 to[6 + k] = from[6 + k];
             }
         }
-        assert_true(rsh_align(RSH_SPHERE, ORDER, 3, from, to, 0.0f, v, out));
+        const rsh_alignment exact = {RSH_SPHERE, from, to, 0.0f};
+        assert_true(rsh_align(&exact, ORDER, 3, v, out));
         for (int c = 0; c < 3; c++) {
             float w[3], a[3], b[3];
             noise_unit(&seed, 3, w);
@@ -60,8 +61,9 @@ static void transposed_moves_to_the_other_side(void **state) {
         const float about_y[9] = {k, 0, s, 0, 1, 0, -s, 0, k};
         memcpy(tilt, about_y, sizeof tilt);
         rsh_noise_multiply(tilt, from, to);
-        rsh_align(basis, ORDER, 1, from, to, limit, v, a);
-        rsh_align_transposed(basis, ORDER, 1, from, to, limit, c, b);
+        const rsh_alignment alignment = {basis, from, to, limit};
+        rsh_align(&alignment, ORDER, 1, v, a);
+        rsh_align_transposed(&alignment, ORDER, 1, c, b);
         double left = 0.0, right = 0.0;
         for (int j = 0; j < N; j++) {
             left += (double)c[j] * a[j];
@@ -122,8 +124,10 @@ static void exact_alignment_is_close(void **state) {
         memcpy(to, (float[9]){c, 0, s, 0, 1, 0, -s, 0, c}, sizeof to);
         rsh_hemisphere_coefficients(&q, from, ORDER, v);
         rsh_hemisphere_coefficients(&q, to, ORDER, want);
-        assert_true(rsh_align(RSH_HEMISPHERE, ORDER, 1, from, to, 4.0f, v, got[0]));
-        assert_true(rsh_align(RSH_HEMISPHERE, ORDER, 1, from, to, 0.0f, v, got[1]));
+        const rsh_alignment fast = {RSH_HEMISPHERE, from, to, 4.0f};
+        const rsh_alignment exact = {RSH_HEMISPHERE, from, to, 0.0f};
+        assert_true(rsh_align(&fast, ORDER, 1, v, got[0]));
+        assert_true(rsh_align(&exact, ORDER, 1, v, got[1]));
         double worst[2] = {0, 0};
         for (int lobe = 0; lobe < 12; lobe++) {
             double theta = 0.3491 * (lobe / 3), phi = 1.5708 * (lobe % 3), sum[2] = {0, 0};

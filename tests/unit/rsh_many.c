@@ -87,15 +87,15 @@ static void alignments_equal_single_ones(void **state) {
             rsh_many_make_frames(&seed, count);
             rsh_many_fill(&seed, count);
             assert_true((transposed ? rsh_align_transposed_many : rsh_align_many)(
-                basis, ORDER, CHANNELS, (size_t)count, from_rows, to_rows, limit, rsh_many_in,
-                rsh_many_out));
+                &(rsh_alignments){basis, from_rows, to_rows, limit}, ORDER, CHANNELS, (size_t)count,
+                rsh_many_in, rsh_many_out));
             assert_true(rsh_many_out[CHANNELS * N * count] == 7.0f);
             for (int i = 0; i < count; i++) {
                 rsh_many_take(rsh_many_in, count, i, v);
                 rsh_many_take(rsh_many_out, count, i, b);
-                (transposed ? rsh_align_transposed : rsh_align)(basis, ORDER, CHANNELS,
-                                                                rsh_many_single[i][0],
-                                                                rsh_many_single[i][1], limit, v, a);
+                const rsh_alignment one = {basis, rsh_many_single[i][0], rsh_many_single[i][1],
+                                           limit};
+                (transposed ? rsh_align_transposed : rsh_align)(&one, ORDER, CHANNELS, v, a);
                 assert_true(rsh_noise_distance(CHANNELS * N, a, b) < 5e-5);
             }
         }
@@ -107,15 +107,16 @@ static void neighbours_do_not_matter(void **state) {
     uint32_t seed = 23;
     rsh_many_make_frames(&seed, MOST);
     rsh_many_fill(&seed, MOST);
-    assert_true(rsh_align_many(RSH_HEMISPHERE, ORDER, CHANNELS, MOST, from_rows, to_rows, 0.2f,
-                               rsh_many_in, rsh_many_out));
+    const rsh_alignments all = {RSH_HEMISPHERE, from_rows, to_rows, 0.2f};
+    assert_true(rsh_align_many(&all, ORDER, CHANNELS, MOST, rsh_many_in, rsh_many_out));
     for (int i = 0; i < MOST; i++) {
         float v[CHANNELS * N], a[CHANNELS * N];
         const float *f[9], *t[9];
         for (int e = 0; e < 9; e++) f[e] = rsh_many_from[e] + i, t[e] = rsh_many_to[e] + i;
         rsh_many_take(rsh_many_in, MOST, i, v);
         rsh_many_take(rsh_many_out, MOST, i, a);
-        assert_true(rsh_align_many(RSH_HEMISPHERE, ORDER, CHANNELS, 1, f, t, 0.2f, v, v));
+        const rsh_alignments one = {RSH_HEMISPHERE, f, t, 0.2f};
+        assert_true(rsh_align_many(&one, ORDER, CHANNELS, 1, v, v));
         assert_memory_equal(v, a, sizeof v);
     }
 }
@@ -125,16 +126,19 @@ static void rsh_many_bad_input_is_refused(void **state) {
     uint32_t seed = 24;
     rsh_many_make_frames(&seed, MOST);
     float v[MOST] = {1, 2, 3}, w[MOST] = {7, 7, 7};
+    const rsh_alignments sphere = {RSH_SPHERE, to_rows, from_rows, 0.0f};
+    rsh_alignments basis = sphere;
+    basis.basis = (rsh_basis)2;
     assert_false(rsh_rotate_many(0, 1, MOST, from_rows, v, w));
     assert_false(rsh_rotate_many(RSH_MAX_ORDER + 1, 1, MOST, from_rows, v, w));
     assert_false(rsh_rotate_taylor_many((rsh_taylor)9, 1, 1, MOST, from_rows, v, w));
-    assert_false(rsh_align_many((rsh_basis)2, 1, 1, MOST, to_rows, from_rows, 0.0f, v, w));
+    assert_false(rsh_align_many(&basis, 1, 1, MOST, v, w));
     assert_true(rsh_rotate_many(1, 1, 0, from_rows, v, w));
     rsh_many_from[3][MOST - 1] = NAN;
     assert_false(rsh_rotate_many(1, 1, MOST, from_rows, v, w));
-    assert_false(rsh_align_many(RSH_SPHERE, 1, 1, MOST, to_rows, from_rows, 0.0f, v, w));
+    assert_false(rsh_align_many(&sphere, 1, 1, MOST, v, w));
     rsh_many_from[3][MOST - 1] = -INFINITY;
-    assert_false(rsh_align_transposed_many(RSH_SPHERE, 1, 1, MOST, to_rows, from_rows, 0.0f, v, w));
+    assert_false(rsh_align_transposed_many(&sphere, 1, 1, MOST, v, w));
     for (int i = 0; i < 3; i++) assert_true(w[i] == 7.0f);
 }
 

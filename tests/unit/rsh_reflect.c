@@ -25,11 +25,11 @@ static void either_side_may_rotate(void **state) {
         noise_rotation(&seed, from);
         memcpy(tilt, (float[9]){c, 0, s, 0, 1, 0, -s, 0, c}, sizeof tilt);
         rsh_noise_multiply(tilt, from, to);
-        rsh_reflection r = {.basis = i & 1 ? RSH_HEMISPHERE : RSH_SPHERE,
+        rsh_reflection r = {.alignment = {.basis = i & 1 ? RSH_HEMISPHERE : RSH_SPHERE,
+                                          .from = from,
+                                          .to = to,
+                                          .beta_limit = i & 2 ? 0.2f : 0.0f},
                             .order = ORDER,
-                            .from = from,
-                            .to = to,
-                            .beta_limit = i & 2 ? 0.2f : 0.0f,
                             .value = record,
                             .d_dx = record + 3 * N,
                             .d_dy = i & 4 ? NULL : record + 6 * N,
@@ -38,7 +38,7 @@ static void either_side_may_rotate(void **state) {
                             .brdf = brdf,
                             .brdf_channels = i & 8 ? 1 : 3};
         assert_true(rsh_reflect(&r, out));
-        rsh_align(r.basis, ORDER, 9, from, to, r.beta_limit, record, rotated);
+        rsh_align(&r.alignment, ORDER, 9, record, rotated);
         for (int k = 0; k < 3; k++) {
             const float *f = brdf + (r.brdf_channels == 1 ? 0 : k * N), *v = rotated + k * N;
             double want = 0.0;
@@ -54,13 +54,16 @@ static void rsh_reflect_bad_input_is_refused(void **state) {
     (void)state;
     const float frame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, bad[9] = {NAN}, v[3] = {1, 2, 3};
     float out[3] = {7, 7, 7};
-    rsh_reflection good = {
-        .order = 1, .from = frame, .to = frame, .value = v, .brdf = v, .brdf_channels = 1};
+    rsh_reflection good = {.alignment = {.from = frame, .to = frame},
+                           .order = 1,
+                           .value = v,
+                           .brdf = v,
+                           .brdf_channels = 1};
     rsh_reflection order = good, channels = good, matrix = good, basis = good;
     order.order = 0;
     channels.brdf_channels = 2;
-    matrix.to = bad;
-    basis.basis = (rsh_basis)2;
+    matrix.alignment.to = bad;
+    basis.alignment.basis = (rsh_basis)2;
     assert_false(rsh_reflect(&order, out) || rsh_reflect(&channels, out));
     assert_false(rsh_reflect(&matrix, out) || rsh_reflect(&basis, out));
     assert_true(out[0] == 7.0f && out[1] == 7.0f && out[2] == 7.0f);

@@ -221,6 +221,10 @@ static void rsh_rotate_bad_input_is_refused(void **state) {
     float v[4] = {1, 2, 3, 4}, out[4] = {7, 7, 7, 7};
     const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, zero[9] = {0};
     float bad[9] = {1, 0, 0, 0, NAN, 0, 0, 0, 1};
+    const rsh_alignment none = {RSH_SPHERE, identity, identity, 0.0f};
+    const rsh_alignment from_bad = {RSH_SPHERE, bad, identity, 0.0f};
+    const rsh_alignment to_bad = {RSH_SPHERE, identity, bad, 0.0f};
+    const rsh_alignment no_basis = {(rsh_basis)2, identity, identity, 0.0f};
     const int orders[] = {-3, 0, RSH_MAX_ORDER + 1};
     for (int i = 0; i < 3; i++) {
         assert_false(rsh_rotate(orders[i], 1, identity, v, out));
@@ -229,13 +233,13 @@ static void rsh_rotate_bad_input_is_refused(void **state) {
         assert_false(rsh_rotate_y_taylor(RSH_TAYLOR_1, orders[i], 1, 1.0f, v, out));
         assert_false(rsh_rotate_taylor(RSH_TAYLOR_1, orders[i], 1, identity, v, out));
         assert_false(rsh_rotate_zyz(orders[i], 1, (rsh_zyz){0}, v, out));
-        assert_false(rsh_align(RSH_SPHERE, orders[i], 1, identity, identity, 0.0f, v, out));
+        assert_false(rsh_align(&none, orders[i], 1, v, out));
     }
     assert_false(rsh_rotate(2, 1, bad, v, out));
-    assert_false(rsh_align(RSH_SPHERE, 2, 1, bad, identity, 0.0f, v, out));
-    assert_false(rsh_align((rsh_basis)2, 2, 1, identity, identity, 0.0f, v, out));
+    assert_false(rsh_align(&from_bad, 2, 1, v, out));
+    assert_false(rsh_align(&no_basis, 2, 1, v, out));
     bad[4] = INFINITY;
-    assert_false(rsh_align_transposed(RSH_SPHERE, 2, 1, identity, bad, 0.0f, v, out));
+    assert_false(rsh_align_transposed(&to_bad, 2, 1, v, out));
     assert_false(rsh_rotate_zyz(2, 1, (rsh_zyz){0, NAN, 0}, v, out));
     assert_false(rsh_rotate_taylor((rsh_taylor)3, 2, 1, identity, v, out));
     assert_false(rsh_rotate_z(2, 1, NAN, v, out));
