@@ -71,10 +71,9 @@ def wigner_quarter(l, a, b):
     f = math.factorial
     total = 0
     for s in range(max(0, b - a), min(l + b, l - a) + 1):
-        parts = (l + b - s, s, a - b + s, l - a - s)
         term = f(2 * l)
-        for p in parts:
-            term //= f(p)
+        for k in (l + b - s, s, a - b + s, l - a - s):
+            term //= f(k)
         total += (-1) ** (a - b + s) * term
     scale = f(l + a) * f(l - a) * f(l + b) * f(l - b)
     return math.sqrt(scale) * total / f(2 * l) / 2**l
@@ -136,11 +135,12 @@ def index(l, m):
     return l * (l + 1) + m
 
 
-def member(l, m, odd_part):
-    """The m that the x-even (0) or x-odd (1) part keeps in lane |m|; None where it has none."""
-    if odd_part and m == 0:
+def member(l, m, odd):
+    """The m that the component which is even (0) or odd (1) in x keeps in lane |m|; None where it
+    has none."""
+    if odd and m == 0:
         return None
-    return m if m % 2 == odd_part else -m
+    return m if m % 2 == odd else -m
 
 
 def steps(bands):
@@ -241,12 +241,12 @@ def mix_tables(w):
     """Y_(m+k)^m from the functions f_j of a set, see rsh_tables.h."""
     sets, steps_of = [], []
     for mixed in MIXED:
-        f, s, parts = monic(mixed), scales(mixed), []
+        f, s, rows = monic(mixed), scales(mixed), []
         for m in range(ORDER):
             p = monic(m)
-            parts.append(pair([braces("%.9ef", mix_row(f, s, p[k], norm(m + k, m)))
-                               for k in range(ORDER - m)]))
-        sets.append(pair(parts))
+            rows.append(pair([braces("%.9ef", mix_row(f, s, p[k], norm(m + k, m)))
+                              for k in range(ORDER - m)]))
+        sets.append(pair(rows))
         steps_of.append(braces("%.9ef", [0.0] + [s[k - 1] / s[k] / 2 for k in range(1, ORDER)]))
     w.lines.append("const float rsh_mix_step[2][RSH_MAX_ORDER] = %s;" % pair(steps_of))
     w.lines.append("const float rsh_mix[2][RSH_MAX_ORDER][RSH_MAX_ORDER][RSH_MAX_ORDER / 2] =\n"
@@ -283,7 +283,7 @@ def quarter_tables(w, flat):
 
 
 def ivanic_tables(w, flat):
-    """u, v, w of Ivanic and Ruedenberg, of which the columns' part is divided out."""
+    """u, v, w of Ivanic and Ruedenberg, without the factors that depend on the column alone."""
     rows, columns = [], []
     for l, m in flat:
         a, centre = abs(m), m == 0
@@ -307,11 +307,11 @@ def lane_tables(w):
         first, last = bands[0] ** 2, (bands[-1] + 1) ** 2
         where = {None: 0}
         where.update({lm: i for i, lm in enumerate(outer) if lm})
-        parts = []
-        for part in (0, 1):
-            own = [member(*lm, part) if lm else None for lm in outer]
-            parts.append([index(lm[0], m) - first if m is not None else 31
-                          for lm, m in zip(outer, own)])
+        components = []
+        for odd in (0, 1):
+            own = [member(*lm, odd) if lm else None for lm in outer]
+            components.append([index(lm[0], m) - first if m is not None else 31
+                               for lm, m in zip(outer, own)])
         natural = []
         for k in range(first, first + 2 * LANES):
             l = math.isqrt(k)
@@ -325,17 +325,17 @@ def lane_tables(w):
                    for target in (inner, outer)]
         neighbours = [[where.get((lm[0], lm[1] + d), 0) if lm else 0 for lm in outer]
                       for d in (-1, 1)]
-        texts = [braces("%d", r) for r in parts] + [braces("%d", natural)]
+        texts = [braces("%d", r) for r in components] + [braces("%d", natural)]
         texts += [pair([braces("%d", r) for r in rs]) for rs in (powers, sources)]
         texts += [braces("%d", r) for r in neighbours]
-        texts += [pair([braces("%.9ef", series_factors(outer, part, kind)) for part in (0, 1)])
+        texts += [pair([braces("%.9ef", series_factors(outer, odd, kind)) for odd in (0, 1)])
                   for kind in ("down", "up", "d2_diagonal")]
         rows.append("    {%s,\n     %d, %d, %d}," % (",\n     ".join(texts), first, steps(bands),
                                                   len(exchange)))
         for t in range(steps(bands)):
-            exchange.append([exchange_factors(bands, source, target, part, t)
+            exchange.append([exchange_factors(bands, source, target, odd, t)
                              for source, target in ((outer, inner), (inner, outer))
-                             for part in (0, 1)])
+                             for odd in (0, 1)])
     w.lines.append("const struct rsh_lane_set rsh_lane_sets[RSH_LANE_SETS] = {")
     w.lines += rows + ["};", "const struct rsh_lane_step rsh_lane_steps[] = {"]
     for factors in exchange:
@@ -397,11 +397,12 @@ def pair_tables(w):
     w.lines.append("const struct rsh_pair_multiples rsh_pair_multiples = %s;" % pair(texts))
 
 
-def series_factors(outer, part, kind):
-    """Entries of D from the neighbours |m| - 1 and |m| + 1, and the diagonal of D^2."""
+def series_factors(outer, odd, kind):
+    """For one component: entries of D from the neighbours |m| - 1 and |m| + 1, and the diagonal of
+    D^2."""
     factors = []
     for lm in outer:
-        m = member(*lm, part) if lm else None
+        m = member(*lm, odd) if lm else None
         if m is None:
             factors.append(0.0)
             continue
@@ -415,15 +416,15 @@ def series_factors(outer, part, kind):
     return factors
 
 
-def exchange_factors(bands, source, target, part, t):
-    """Factors of step t of one exchange of one part. Step t takes the t-th lane of the band in the
-    half that feeds it: its own half for the even part, the other for the odd part."""
+def exchange_factors(bands, source, target, odd, t):
+    """Factors of step t of one exchange of one component. Step t takes the t-th lane of the band in
+    the half that feeds it: its own half for the even component, the other for the odd one."""
     factors, first = [], slots(bands)
     for i, lm in enumerate(target):
-        lane = ((i & 8) ^ (8 * part)) + (first[lm[0]] + t if lm else 0)
+        lane = ((i & 8) ^ (8 * odd)) + (first[lm[0]] + t if lm else 0)
         feed = source[lane] if lm and t <= lm[0] // 2 else None
-        a = member(*lm, part) if lm else None
-        b = member(*feed, part) if feed else None
+        a = member(*lm, odd) if lm else None
+        b = member(*feed, odd) if feed else None
         factors.append(swap(lm[0], a, b) if a is not None and b is not None else 0.0)
     return factors
 
