@@ -9,11 +9,7 @@
 #include "base/array.h"
 #include "gather/gather.h"
 
-enum {
-    ENTRY_SAMPLES = 8,  // of the lights at an entry: with 4, means of single images were .5 % off
-                        // in a room lit through a door; 16 gain nothing
-    LIT_ENTRIES_CHUNK = 64  // entries per chunk
-};
+enum { LIT_ENTRIES_CHUNK = 64 };  // entries per chunk
 
 // How much direct light may differ between neighbouring entries: as a fraction of all light there,
 // and in standard deviations of the samples' noise. Without this test the mean of case `spot` is 25
@@ -30,6 +26,7 @@ struct direct_loop {
     const struct gather *g;
     struct gather_direct *direct;
     float *noise2;  // variance of the luminance of an entry's E
+    int samples;    // of the lights at each entry
 };
 
 // A white diffuse surface at an entry.
@@ -54,13 +51,13 @@ static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
         photon_irradiance_position(g->maps, i, &p, &n);
         const struct shading_point point = white_point(diffuse, p, n);
         const struct gather_mis alone = {2, {{BRDF_DIFFUSE, 0.0f}}};
-        const struct gather_light_samples light_samples = {ENTRY_SAMPLES,
-                                                           (uint32_t)i * ENTRY_SAMPLES};
+        const struct gather_light_samples light_samples = {loop->samples,
+                                                           (uint32_t)i * (uint32_t)loop->samples};
         const struct sampler sampler = {0, seed, 0};
         float variance;
         const rgb L = gather_sample_lights(g, &point, alone, light_samples, sampler, &variance);
         loop->direct->E[i] = rgb_scale(L, PI_F);
-        loop->noise2[i] = sqrf(PI_F) * variance / ENTRY_SAMPLES;
+        loop->noise2[i] = sqrf(PI_F) * variance / (float)loop->samples;
     }
 }
 
@@ -103,13 +100,13 @@ static void compare_entries(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) loop->direct->similar[i] = entries_agree(loop, i);
 }
 
-satin_status gather_direct_build(const struct gather *g, struct parallel *pool,
+satin_status gather_direct_build(const struct gather *g, int samples, struct parallel *pool,
                                  struct gather_direct *out) {
     struct gather_direct direct = {.count = photon_irradiance_count(g->maps)};
     direct.E = array_new(direct.count, sizeof *direct.E);
     direct.similar = array_new(direct.count, sizeof *direct.similar);
     float *noise2 = array_new(direct.count, sizeof *noise2);
-    struct direct_loop loop = {g, &direct, noise2};
+    struct direct_loop loop = {g, &direct, noise2, samples};
     const struct parallel_results lit = {
         .slot = {{direct.E, sizeof *direct.E}, {noise2, sizeof *noise2}}, .journaled = true};
     satin_status status = SATIN_OK;

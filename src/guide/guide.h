@@ -78,10 +78,13 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
 
 // The visibility of the lights from points on paths from the eye, stored in cells of a tree.
 struct guide_visibility;
-// How much is measured: the number of paths from the eye, on which the points are, and that of rays
-// for each bin of directions of the environment. Both are at least 1.
+// How much is measured. All numbers are at least 1.
 struct guide_visibility_samples {
-    int paths, bin_rays;
+    int paths;       // from the eye, on which the points are
+    int box_rays;    // rays per path that find the box whose faces have the bins of directions
+    int bin_rays;    // rays through each bin
+    int open_bins;   // the largest number of bins through which a cell traces all of them
+    int light_rays;  // rays from a cell to each light
 };
 // *out is NULL if there is nothing to measure: if there is a single light that is no environment,
 // if there are more lights than are weighted individually, or if paths from the eye hit nothing.

@@ -13,9 +13,8 @@
 #include "guide/guide_visibility.h"
 
 enum {
-    RAYS_PATH = 8,  // rays per path from the eye
-    SWEEPS = 2,     // times that each face is moved
-    MERGED = 2,     // rows and columns of bins that are taken together, as rays are few
+    SWEEPS = 2,  // times that each face is moved
+    MERGED = 2,  // rows and columns of bins that are taken together, as rays are few
     QUANTILES = 6,
     FARTHER = 4,
     BOX_OFFSETS = QUANTILES + FARTHER
@@ -134,9 +133,8 @@ static float begin_faces(const struct guide_cells *cells, size_t points, float *
 }
 
 bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
-                    int paths, struct parallel *pool, struct light_box *out) {
-    struct box_search search = {
-        .scene = scene, .cells = cells, .seed = seed, .rays = RAYS_PATH * (size_t)paths};
+                    size_t rays, struct parallel *pool, struct light_box *out) {
+    struct box_search search = {.scene = scene, .cells = cells, .seed = seed, .rays = rays};
     for (size_t i = 0; i < guide_cells_count(cells); i++) search.points += cells->cell[i].count;
     float *sorted = array_new(search.points, sizeof *sorted);
     search.ray = array_new(search.rays, sizeof *search.ray);

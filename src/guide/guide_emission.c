@@ -12,10 +12,11 @@
 #include "base/sampling.h"
 #include "guide/guide.h"
 
-// The size of the pilot, a sample that divides no time between stages: it finds where caustics
-// begin, and the paths that are then traced there do not depend on it in number.
 enum {
-    PILOT_RAYS = 16,     // per cell
+    // Rays of the pilot per cell: a property of its strata, whose number must not be divisible by
+    // 7, not
+    // a budget. The number of cells is one, and the caller's.
+    PILOT_RAYS = 16,
     CELLS_MAX = 1 << 18  // of all lights together; a bound of memory
 };
 // Fraction of a light's paths that start in cells in which the pilot hit nothing. The power of

@@ -13,13 +13,9 @@
 #include "base/sampling.h"
 
 enum {
-    LIGHT_RAYS = 32,  // rays from a cell to each light
     // Ranges of consecutive cells, which find out which bins are open: one for so many paths.
     GUIDE_RANGES = 32,
     RANGE_PATHS = 128,
-    // The largest number of bins through which cells trace all rays. 512 leave 1.08 times the
-    // variance of direct light in a room with windows, for .64 times the CPU time.
-    OPEN_BINS = 1024,
     BINS_CHUNK = 16  // bins or cells per chunk of the loops without rays
 };
 
@@ -122,7 +118,8 @@ static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
 static void trace_cell(struct learning *l, size_t i, struct rng *rng) {
     int bins = 0;
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) bins += l->open[bin];
-    const float rays = (float)l->samples.bin_rays * fminf((float)OPEN_BINS / (float)bins, 1.0f);
+    const float all = (float)l->samples.open_bins / (float)bins;
+    const float rays = (float)l->samples.bin_rays * fminf(all, 1.0f);
     struct sky_tally unused = {0.0f, 0.0f};
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
         if (!l->open[bin]) continue;
@@ -214,7 +211,7 @@ static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
                                                 NULL};
     for (uint32_t light = 0; light < l->scene->light_count; light++) {
         float E = 0.0f, expected = 0.0f;
-        for (size_t k = 0; k < LIGHT_RAYS; k++) {
+        for (size_t k = 0; k < (size_t)l->samples.light_rays; k++) {
             const struct guide_cell_point *p = &cell->point[k % cell->count];
             expected += light_estimate(l->scene, &l->scene->light[light], p->p);
             E += sample_arriving(l->scene, light, visibility, p, rng);
@@ -261,8 +258,9 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
             .slot = {{l->square, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
                      {l->traced, LIGHT_HISTOGRAM_BINS * sizeof *l->traced}},
             .journaled = true};
-        const bool done = guide_box_find(l->scene, l->seed, &l->visibility->cells, l->samples.paths,
-                                         pool, &l->visibility->box) &&
+        const size_t rays = (size_t)l->samples.paths * (size_t)l->samples.box_rays;
+        const bool done = guide_box_find(l->scene, l->seed, &l->visibility->cells, rays, pool,
+                                         &l->visibility->box) &&
                           parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
                           parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, find_open_bins, l) &&
                           parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&

@@ -45,10 +45,10 @@ size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 // ---- The box of the histograms (guide_box.c) ---------------------------------------------------
 
 // Finds the box in whose bins the visibility of the environment, which must exist, is most alike
-// from all points, of so many paths from the eye. The result does not depend on the threads of the
+// from all points, by so many rays from them. The result does not depend on the threads of the
 // pool. False if there is no memory or the pool was stopped.
 bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
-                    int paths, struct parallel *pool, struct light_box *out);
+                    size_t rays, struct parallel *pool, struct light_box *out);
 
 // ---- What is visible ---------------------------------------------------------------------------
 

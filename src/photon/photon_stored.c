@@ -6,8 +6,9 @@
 
 #include "photon/photon_map.h"
 
-// Paths of the pilot for each map. The number of photons of a path is at most about the number of
-// its bounces, whose standard deviation is near their mean: 4096 paths give the mean within 2 %.
+// Paths of the pilot for each map, which follow from its accuracy, not from a budget. The number of
+// photons of a path is at most about the number of its bounces, whose standard deviation is near
+// their mean: 4096 paths give the mean within 2 %.
 enum { PILOT_PATHS = 4096 };
 
 // Bytes per stored photon at the peak of building a map, measured in corner and cornell-glossy with

@@ -14,19 +14,12 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "render/render_budget.h"
 
 #define GAIN 1.5f
 // Fraction of the image's mean luminance below which the error of a pixel is absolute.
 #define DARK 0.2f
-// The largest number of light samples per sample: beyond it they dominate the cost, and are
-// stratified well enough.
-#define LIGHTS_MOST 16.0f
 enum {
-    // The factor by which the number of samples of a noisy pixel may grow in one pass: half of the
-    // number, as many samples show its noise well enough for more, within these limits. The tail of
-    // a filter beside an edge needs hundreds of samples (docs/experiments.md).
-    ADAPTIVE_GROWTH_LEAST = 4,
-    ADAPTIVE_GROWTH_MOST = 16,
     MULTIPLE = 2,           // samples are added in pairs, which are stratified together
     ADAPTIVE_CHUNK = 4096,  // pixels per chunk
     ADAPTIVE_ROWS = 8,
@@ -221,7 +214,7 @@ static const float *find_wanted(struct adaptive_sampling *adapt) {
 // `wanted`.
 static float limit_samples(float wanted, float count) {
     return clampf(wanted, count,
-                  clampf(0.5f * count, ADAPTIVE_GROWTH_LEAST, ADAPTIVE_GROWTH_MOST) * count);
+                  clampf(0.5f * count, RENDER_GROWTH_LEAST, RENDER_GROWTH_MOST) * count);
 }
 
 static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
@@ -315,7 +308,7 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
         if (!(light[i] > 0.0f)) continue;  // nothing is known, or lights cause no noise
         const float m =
             powf(light[i] * loop->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
-        p->light_samples = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
+        p->light_samples = (uint32_t)clampf(m, 1.0f, RENDER_LIGHT_SAMPLES_MOST);
         if (p->light_samples < 2)
             p->light_samples = 2;  // otherwise the next estimate would have no data
     }

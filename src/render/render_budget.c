@@ -10,11 +10,10 @@
 //                     measured; then the fraction at which the error of the image is least
 //   image             the rest, without the time for denoising and writing
 //
-// The time of records is divided into rounds, and that of the first round into levels. Before the
-// render begins, options_quality.c has set the options by effort and quality.
+// The time of records is divided into rounds, and that of the first round into levels, by
+// render_budget_records.c. Before the render begins, options_quality.c has set the options by
+// effort and quality.
 #include "render/render_budget.h"
-
-#include <string.h>
 
 #include "render/render_image.h"
 
@@ -60,7 +59,12 @@ enum {
     // variance of .0111, .0100, .0095 and .0088 in a room with windows, for .9, 1.9, 2.4 and 3.9 s
     // of CPU time.
     BIN_RAYS = 4,  // the largest number
-    BIN_PER = 100000
+    BIN_PER = 100000,
+    // The largest number of bins through which a cell traces all rays. 512 leave 1.08 times the
+    // variance of direct light in a room with windows, for .64 times the CPU time.
+    OPEN_BINS = 1024,
+    BOX_RAYS = 8,    // per path, to find the box with the bins
+    LIGHT_RAYS = 32  // from a cell to each light
 };
 // With a time limit of less than this many core seconds, the paths for the visibility of lights and
 // the cells of emission that can make caustics fall in proportion, down to MEASURED_LEAST of them.
@@ -74,35 +78,10 @@ static const double MEASURED_SECONDS = 4.0, MEASURED_LEAST = 1.0 / 16.0;
 static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
 // The fraction of the time of records for their first round, so that all pixels have some.
 static const double COVER_FRACTION = 0.5;
-// The largest fraction of the remaining time of that round for the search for a level's sites.
-static const double SEARCH_FRACTION = 0.25;
-// The least number of gather rays of an irradiance record. For a radiance record it is larger in
-// the ratio of the options' numbers of rays.
-static const float RAYS_LEAST = 32.0f;
 // The least time for a second round, in units of that of the first one. With 1, relMSE was .00049
 // instead of .00035 in a room with a glossy wall at 4 CPU seconds (200x200), and equal elsewhere;
 // with 0, .0104 instead of .0023 in a room with one vase at 1 CPU second.
 static const double NEXT_ROUND = 0.5;
-
-// The first rounds have these factors of a, so that the image is covered whenever the time is over.
-// Then a and the least radius fall by FINER from round to round, because records soon become as
-// dense as their least radius allows, until they are FLOOR_PIXELS wide.
-static const float GIVEN_FACTORS[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
-static const float FINER = 0.75f, FLOOR_PIXELS = 0.5f;
-enum { GIVEN_ROUNDS = sizeof GIVEN_FACTORS / sizeof *GIVEN_FACTORS };
-
-// Records that one gather ray among hundreds reads may be coarser than those that the image reads,
-// and more so with every bounce: per bounce, the accuracy a is multiplied by the first factor and
-// the number of rays by the second.
-static const float COARSER = 1.25f, FEWER = 0.6f;
-static const float BOUNCE_RAYS_LEAST = 64.0f;
-
-enum {
-    // The largest number of points of the image that adaptive caching compares: their sites are 88
-    // MB. A larger image has them at a larger distance.
-    ADAPTIVE_MOST = 1 << 18,
-    ADAPTIVE_STRIDE = 2
-};
 
 // The largest fraction of the time limit that is kept for denoising: the render of a large image
 // exceeds the limit rather than having no samples.
@@ -243,12 +222,6 @@ double render_budget_first_round(const struct render *r) {
     return COVER_FRACTION * (r->progress.deadline - render_elapsed(r));
 }
 
-double render_budget_search(double left) { return SEARCH_FRACTION * left; }
-
-float render_budget_least_rays(const satin_options *o) {
-    return RAYS_LEAST / (float)o->irradiance_rays;
-}
-
 bool render_budget_next_round(const struct render *r, double seconds) {
     return r->progress.deadline - render_elapsed(r) > NEXT_ROUND * seconds;
 }
@@ -313,7 +286,11 @@ struct guide_visibility_samples render_budget_visibility(const satin_options *o,
                                                          double core_seconds) {
     const int64_t rays = o->photons / BIN_PER < BIN_RAYS ? o->photons / BIN_PER : BIN_RAYS;
     return (struct guide_visibility_samples){
-        (int)(VISIBILITY_PATHS * measured_fraction(core_seconds)), rays < 1 ? 1 : (int)rays};
+        .paths = (int)(VISIBILITY_PATHS * measured_fraction(core_seconds)),
+        .box_rays = BOX_RAYS,
+        .bin_rays = rays < 1 ? 1 : (int)rays,
+        .open_bins = OPEN_BINS,
+        .light_rays = LIGHT_RAYS};
 }
 
 double render_budget_starved(const satin_options *o, double paths, double kept) {
@@ -339,63 +316,6 @@ struct render_more_photons render_budget_photons(const struct render *r, double 
 
 float render_budget_lookup(double made) {
     return made > 0.0 && made < 1.0 ? (float)sqrt(made) : 1.0f;
-}
-
-// ---- Rounds of records --------------------------------------------------------------------------
-
-float render_budget_largest_factor(const satin_options *o) {
-    const float factor = fmaxf(o->irradiance_widen, o->radiance_widen);
-    return o->time > 0.0 ? fmaxf(factor, GIVEN_FACTORS[0]) : factor;
-}
-
-// The finest factor w of a for a least radius of `min_pixels` at a: the least radius falls as w,
-// and so the least width of a record as w^2.
-static float finest_factor(float min_pixels) {
-    const float last = GIVEN_FACTORS[GIVEN_ROUNDS - 1];
-    return fminf(sqrtf(FLOOR_PIXELS * last / fmaxf(min_pixels, FLOOR_PIXELS)), last);
-}
-
-struct render_factors render_budget_round(const satin_options *o, int round) {
-    const int finer = round - (GIVEN_ROUNDS - 1);
-    const float factor = finer <= 0 ? GIVEN_FACTORS[round]
-                                    : GIVEN_FACTORS[GIVEN_ROUNDS - 1] * powf(FINER, (float)finer);
-    return (struct render_factors){{fmaxf(factor, finest_factor(o->irradiance_min_pixels)),
-                                    fmaxf(factor, finest_factor(o->radiance_min_pixels))}};
-}
-
-int render_budget_rounds(const satin_options *o) {
-    for (int rounds = GIVEN_ROUNDS;; rounds++) {
-        const struct render_factors last = render_budget_round(o, rounds - 1);
-        const struct render_factors next = render_budget_round(o, rounds);
-        if (memcmp(&last, &next, sizeof last) == 0) return rounds;
-    }
-}
-
-float render_budget_least_radius(float factor) {
-    return fminf(factor / GIVEN_FACTORS[GIVEN_ROUNDS - 1], 1.0f);
-}
-
-// ---- Records of indirect bounces ----------------------------------------------------------------
-
-static int bounce_rays(int rays, int bounce) {
-    return (int)fmaxf(fminf(BOUNCE_RAYS_LEAST, (float)rays),
-                      (float)rays * powf(FEWER, (float)bounce));
-}
-
-void render_budget_bounce(satin_options *o, int bounce) {
-    const float coarser = powf(COARSER, (float)bounce);
-    o->irradiance_rays = bounce_rays(o->irradiance_rays, bounce);
-    o->radiance_rays = bounce_rays(o->radiance_rays, bounce);
-    o->irradiance_a *= coarser;
-    o->radiance_a *= coarser;
-}
-
-// ---- Points of adaptive caching -----------------------------------------------------------------
-
-int render_budget_adaptive_stride(int width, int height) {
-    int stride = ADAPTIVE_STRIDE;
-    while ((int64_t)width * height / stride / stride > ADAPTIVE_MOST) stride++;
-    return stride;
 }
 
 // ---- The image ----------------------------------------------------------------------------------

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: the budgets, that is how much work a render does, and when. What divides time
-// between stages, or makes the work of a stage depend on time, photons made, pixels or the bounce,
-// is here and in render_budget.c. Five kinds of numbers are elsewhere: render_covering.c predicts
-// from what the first round has made how many records it will need, by the growth of data scenes;
-// options_quality.c has the values of the options by quality and by effort, which is core seconds
-// per pixel, and these are the base of all decisions; a stage has beside its code the constant size
-// of a sample by which it estimates something for itself, such as the paths that find what is seen;
-// the sizes of its blocks and batches, after one of which it takes the next; and how it distributes
-// the work that it is given among its own pixels or photons (render_adaptive_sampling.c,
-// photon_maps.c).
+// between stages, or decides how many photons, records, rays, samples or pixels a stage may use, is
+// here, in render_budget.c and in render_budget_records.c, also for stages of other folders, which
+// get such numbers in their arguments. Elsewhere are: the values of the options by quality and by
+// effort, which is core seconds per pixel (options_quality.c), and these are the base of all
+// decisions; the limit of memory (render_memory.c); and what is a property of an algorithm: the
+// size of a sample from which its accuracy follows, as of the pilot in photon_stored.c, the sizes
+// of blocks and batches, and how work is distributed among pixels or photons that are given.
 //
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,
@@ -52,7 +50,7 @@ int render_budget_pilot(const struct render *r, double samples);
 struct render_pace {
     double rays, samples;  // per second: gather rays of records, samples of the image
     double variance;       // V: the image's variance by n samples per pixel is V n^-1.5
-    double indirect2;      // q: the mean square of the indirect part of a pixel's light
+    double indirect2;      // q: the mean square of a pixel's indirect light
 };
 
 // ---- Limits. Each holds for the loops that follow, until the next one or render_limit_end.
@@ -86,6 +84,9 @@ struct photon_paths render_budget_paths(const satin_options *options, double cor
 // With how many paths and rays the visibility of the lights is measured.
 struct guide_visibility_samples render_budget_visibility(const satin_options *options,
                                                          double core_seconds);
+// The number of light samples at each entry of irradiance. With 4, means of single images were .5 %
+// off in a room lit through a door; 16 gain nothing.
+enum { RENDER_ENTRY_SAMPLES = 8 };
 // The fraction of its photons that a render traces first: all, or a sixteenth with a time limit.
 double render_budget_first_photons(const struct render *r);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect
@@ -125,14 +126,55 @@ float render_budget_least_radius(float factor);
 // The largest factor of a at which records may be read by the image pass.
 float render_budget_largest_factor(const satin_options *options);
 
-// The seconds that the first round may still take; of these, how many the search for the sites of a
-// level may take, if `left` remain; and the least fraction of the options' rays for its records.
+// The seconds that the first round may still take.
 double render_budget_first_round(const struct render *r);
-double render_budget_search(double left);
-float render_budget_least_rays(const satin_options *options);
 // Whether another round should follow the first one, which took `seconds`. It takes longer, being
 // finer; without one there is more time for the image.
 bool render_budget_next_round(const struct render *r, double seconds);
+
+// What the first round has made so far, and the rays of its records. It must cover the image within
+// its time, whatever the number of records: in furnished rooms it is some thousand.
+struct render_covering {
+    float rays;  // fraction of the options' gather rays for records of the coarsest level; from
+                 // RENDER_COARSEST on, records of all levels get all
+    double last, made;      // numbers of records of the last level, and so far of this one
+    double full, seconds;   // records, each weighted by its fraction of the rays, and the time for
+                            // them; earlier ones count less
+    double pixels, search;  // pixels that were searched for sites, and the time for that [s]
+};
+
+// The fraction of the options' gather rays for records of the level of this stride.
+float render_covering_rays(const satin_options *options, const struct render_covering *covering,
+                           int stride);
+// The seconds that the search for sites takes in `pixels` pixels.
+double render_covering_search(const struct render_covering *covering, double pixels);
+// Whether the level of this stride, of `pixels` pixels, is filled although its sites have to be
+// searched, if `left` seconds remain for it and for the finer levels.
+bool render_covering_pays(const struct render_covering *covering, double pixels, double left);
+// Sets the rays of records of the level of this stride and of finer ones. At most `needed` more
+// records cover this level, of `pixels` pixels; `left` seconds remain. Without a measured speed
+// they get all.
+void render_covering_plan(const satin_options *options, struct render_covering *covering,
+                          int stride, double pixels, double needed, double left);
+// To be called with the time for `made` records of the level of this stride [s].
+void render_covering_filled(const satin_options *options, struct render_covering *covering,
+                            int stride, double made, double seconds);
+// To be called after a level.
+void render_covering_next(struct render_covering *covering);
+// To be called after a level whose records and rays were measured: whether the image is denoised
+// and there is no time for records by all of their rays. Then it has none: records of few rays have
+// noise that is not denoised.
+bool render_covering_without_records(const satin_options *options,
+                                     const struct render_covering *covering, int stride);
+
+// Pixels whose sites are found together. With a time limit the first block of the first level has
+// RENDER_FIRST_PIXELS, because nothing is known about the time until its records are made. In a
+// view after the first one, most of what it sees is covered by the records of others: the first
+// block of a level has RENDER_VIEW_PIXELS.
+enum { RENDER_FIRST_PIXELS = 8, RENDER_VIEW_PIXELS = 4096 };
+// Whether the rest of a level is filled in a view after the first one, of whose last `pixels`
+// pixels `made` records were made: at least one per RENDER_VIEW_PIXELS.
+bool render_budget_view_pays(double made, double pixels);
 
 // The distance of the pixels whose points adaptive caching compares, in both directions.
 int render_budget_adaptive_stride(int width, int height);
@@ -169,6 +211,16 @@ float render_budget_sample_cost(const struct shade_counts *counts);
 // The number of eye rays for emission alone at each of the pixels at rims: a power of two.
 uint32_t render_budget_rim_rays(const satin_options *options, double core_seconds, size_t pixels,
                                 size_t at_rims);
+// By how much the number of samples of a noisy pixel may grow in one pass, as a factor: half of its
+// number, as many samples show its noise well enough for more, within these limits. The tail of a
+// filter beside an edge needs hundreds of samples (docs/experiments.md).
+enum { RENDER_GROWTH_LEAST = 4, RENDER_GROWTH_MOST = 16 };
+// The largest number of light samples per sample: beyond it they dominate the cost, and are
+// stratified well enough.
+enum { RENDER_LIGHT_SAMPLES_MOST = 16 };
+// The seconds between two states of the image in a checkpoint, unless the caller gives them: the
+// most that an interruption costs.
+enum { RENDER_CHECKPOINT_SECONDS = 60 };
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
 

@@ -15,8 +15,6 @@
 #include "render/render_checkpoint_file.h"
 #include "render/render_image.h"
 
-static const double SECONDS = 60.0;  // between two states of the image
-
 struct render_checkpoint {
     struct checkpoint_file *file;     // NULL: another rank has it, or it cannot be written
     struct parallel_journal journal;  // of the pool
@@ -214,8 +212,8 @@ satin_status render_checkpoint_begin_image(struct render *r, bool *restored) {
 
 bool render_checkpoint_due(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
-    const double every =
-        r->callbacks.checkpoint_seconds > 0.0 ? r->callbacks.checkpoint_seconds : SECONDS;
+    const double every = r->callbacks.checkpoint_seconds > 0.0 ? r->callbacks.checkpoint_seconds
+                                                               : RENDER_CHECKPOINT_SECONDS;
     if (!c || !c->file || r->image->state != IMAGE_SAMPLING || !r->image->begun) return false;
     // The state is not written twice without a tile between, however short the time is.
     if (!atomic_load(&r->image->progressed)) return false;

@@ -4,17 +4,11 @@
 // image. If there are several views, each level goes through all of them.
 #include <stdlib.h>
 
-#include "render/render_covering.h"
+#include "render/render_budget.h"
 #include "render/render_state.h"
 
-enum {
-    BLOCK_PIXELS = 65536,  // pixels whose sites are in memory at a time
-    FIRST_PIXELS = 8,      // of the first level with a time limit: their records show the speed
-    // Pixels of a view after the first one. Most of what it sees is covered by the records of
-    // others: if fewer than one record per number of these pixels is made, the rest of the level is
-    // left out.
-    VIEW_PIXELS = 4096
-};
+// Pixels whose sites are in memory at a time: they take 22 MB.
+enum { BLOCK_PIXELS = 65536 };
 
 // What all rounds of filling have in common.
 struct record_rounds {
@@ -86,8 +80,8 @@ static satin_status begin_block(struct record_rounds *rounds, const struct recor
     const bool first = level->covering && level->stride == RENDER_COARSEST && level->done == 0;
     block->view = (uint32_t)(level->done / level->count);
     block->first = level->done % level->count;
-    block->count = first ? FIRST_PIXELS : BLOCK_PIXELS;
-    if (block->view > 0 && block->first == 0) block->count = VIEW_PIXELS;
+    block->count = first ? RENDER_FIRST_PIXELS : BLOCK_PIXELS;
+    if (block->view > 0 && block->first == 0) block->count = RENDER_VIEW_PIXELS;
     if (block->count > level->count - block->first) block->count = level->count - block->first;
     block->records = count_records(r);
     const double step = level->span / all_pixels(rounds, level), start = stats_wall();
@@ -107,7 +101,7 @@ static void end_block(struct record_rounds *rounds, struct record_level *level,
     const double made = count_records(r) - block->records;
     const double seconds = render_agreed(r, stats_wall() - block->found);
     level->done += block->count;
-    if (block->view > 0 && made * VIEW_PIXELS < (double)block->count)
+    if (block->view > 0 && !render_budget_view_pays(made, (double)block->count))
         level->done = (block->view + 1) * level->count;
     if (level->covering)
         render_covering_filled(&r->options, &rounds->covering, level->stride, made, seconds);

@@ -119,9 +119,9 @@ IDENTIFIERS = {
         r"guide_seen(?:_\w+)?|GUIDE_SEEN_\w+|RNG_SEEN|SEEN_PATHS|seen_paths?|trace_seen": "src/"}),
     "Level": ("levels?", {
         "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_levels|plugins_texture)"
-                   r"|render/render_(?:budget|covering|records)|scene/scene(?:_texture)?\.)",
+                   r"|render/render_(?:budget|records)|scene/scene(?:_texture)?\.)",
         "RENDER_LEVELS|cover_levels|record_level|level_pays":
-            "src/render/render_(?:budget|covering|records)",
+            "src/render/render_(?:budget|records)",
         "load_image_levels": "src/load/load_(?:build|image_levels|plugins_texture)",
         "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
     "Guide": ("guid(?:es?|ed|ing)", {
@@ -144,8 +144,8 @@ IDENTIFIERS = {
         "GUIDE_PROBES|NEAR_PROBED|choose_probes|gather_(?:near_)?probe|probes?":
             "src/(?:guide|gather)/"}),
     "View": ("views?", {
-        r"satin_view|views?|view_(?:count|vector)|(?:make|set|adapt)_views?|VIEW_PIXELS"
-        r"|render_views\w*":
+        r"satin_view|views?|view_(?:count|vector)|(?:make|set|adapt)_views?|RENDER_VIEW_PIXELS"
+        r"|render_budget_view_pays|render_views\w*":
             r"src/(?:animation/|render/|apps/app_animation|scene/scene\.)|include/satin/animation",
         "(?:load|read|set)_field_of_view": "src/load/", "string_view": "src/toml/",
         "first_pass_view": "src/study/"}),
@@ -186,7 +186,7 @@ IN_TEXT = {
     "Level": ("levels?", r"src/cache/cache_tree|src/fill/fill_batch"
               r"|src/load/load_(?:image_levels|build|plugins_texture\.c)"
               r"|src/scene/scene(?:_texture\.c|\.h)"
-              r"|src/render/render_(?:budget|covering|records)|src/film/film_exr_read\.c",
+              r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c",
               "recursive-levels"),
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),
     "Shared": (r"shar(?:es?|ing)", "", ""),

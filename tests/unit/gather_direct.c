@@ -37,7 +37,7 @@ static void lit_cube_with(struct lit_cube *cube, struct light light, int64_t pho
     struct stats stats = {0};
     assert_int_equal(photon_case_build(&cube->t.scene, &o, pool, &stats, &cube->maps), SATIN_OK);
     const struct gather g = gather_make(&cube->t.scene, &o, cube->maps);
-    assert_int_equal(gather_direct_build(&g, pool, &cube->direct), SATIN_OK);
+    assert_int_equal(gather_direct_build(&g, 8, pool, &cube->direct), SATIN_OK);
     assert_int_equal(cube->direct.count, photon_irradiance_count(cube->maps));
     parallel_free(pool);
 }

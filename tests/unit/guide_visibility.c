@@ -65,12 +65,11 @@ static struct guide_visibility_tally guide_visibility_sample(
 static struct guide_visibility *guide_visibility_look(struct test_scene *t, int threads,
                                                       int bin_rays) {
     enum { SEED = 0 };
+    const struct guide_visibility_samples samples = {
+        .paths = 4096, .box_rays = 8, .bin_rays = bin_rays, .open_bins = 1024, .light_rays = 32};
     struct parallel *pool = parallel_new(threads);
     struct guide_visibility *visibility = NULL;
-    assert_int_equal(
-        guide_visibility_build(&t->scene, SEED, (struct guide_visibility_samples){4096, bin_rays},
-                               pool, &visibility),
-        SATIN_OK);
+    assert_int_equal(guide_visibility_build(&t->scene, SEED, samples, pool, &visibility), SATIN_OK);
     parallel_free(pool);
     return visibility;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a time limit is divided into: nothing without a limit, steps in their order with one, and
 // records as much as follows from the measured paces; and the numbers of photons, samples and rays.
-// The rounds of records become finer until they end.
 #include "render/render_budget.h"
 
 #include <setjmp.h>
@@ -317,79 +316,6 @@ static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
     }
 }
 
-static satin_options timed_options(satin_quality quality) {
-    satin_options o = satin_options_default;
-    satin_options_preset(&o, quality);
-    o.time = 10.0;
-    return o;
-}
-
-static void check_rounds(const satin_options *o) {
-    const int rounds = render_budget_rounds(o);
-    assert_in_range(rounds, 5, 20);
-    struct render_factors before = render_budget_round(o, 0);
-    for (int i = 0; i < rounds; i++) {
-        const struct render_factors factors = render_budget_round(o, i);
-        bool finer = i == 0;
-        for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
-            assert_true(factors.of[k] > 0.0f && factors.of[k] <= before.of[k]);
-            assert_true(factors.of[k] <= render_budget_largest_factor(o));
-            finer |= factors.of[k] < before.of[k];
-        }
-        assert_true(finer);
-        before = factors;
-    }
-}
-
-static void rounds_become_finer_until_they_end(void **state) {
-    (void)state;
-    satin_options o = timed_options(SATIN_DRAFT);
-    for (float pixels = 0.125f; pixels < 100.0f; pixels *= 2.0f) {
-        o.irradiance_min_pixels = pixels;
-        o.radiance_min_pixels = 4.0f;
-        check_rounds(&o);
-        o.irradiance_min_pixels = 0.0f;
-        o.radiance_min_pixels = pixels;
-        check_rounds(&o);
-    }
-}
-
-// The least radius falls with a, and is half a pixel at a record's edge in the last round.
-static void the_last_records_are_half_a_pixel_wide(void **state) {
-    (void)state;
-    satin_options o = timed_options(SATIN_PREVIEW);
-    for (float pixels = 1.0f; pixels < 50.0f; pixels *= 2.0f) {
-        o.irradiance_min_pixels = o.radiance_min_pixels = pixels;
-        const struct render_factors w = render_budget_round(&o, render_budget_rounds(&o) - 1);
-        for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-            assert_true(fabsf(w.of[k] * render_budget_least_radius(w.of[k]) * pixels - 0.5f) <
-                        1e-3f);
-    }
-    assert_true(render_budget_least_radius(2.5f) == 1.0f);
-}
-
-static void no_record_is_read_wider_than_it_may_be(void **state) {
-    (void)state;
-    satin_options o = timed_options(SATIN_PREVIEW);
-    o.irradiance_widen = 3.0f;
-    assert_true(render_budget_largest_factor(&o) == 3.0f);
-    o.irradiance_widen = o.radiance_widen = 1.5f;
-    assert_true(render_budget_largest_factor(&o) == render_budget_round(&o, 0).of[CACHE_RADIANCE]);
-    o.time = 0.0;
-    assert_true(render_budget_largest_factor(&o) == 1.5f);
-}
-
-static void adaptive_caching_compares_a_bounded_number(void **state) {
-    (void)state;
-    for (int width = 1; width < 40000; width = 2 * width + 1)
-        for (int height = 1; height < 40000; height = 2 * height + 1) {
-            const int stride = render_budget_adaptive_stride(width, height);
-            const int64_t pixels = (int64_t)width * height;
-            assert_true(stride >= 2 && pixels / stride / stride <= 1 << 18);
-            assert_true(stride == 2 || pixels / (stride - 1) / (stride - 1) > 1 << 18);
-        }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_limit_ends_nothing),
@@ -409,10 +335,6 @@ int main(void) {
         cmocka_unit_test(passes_take_what_the_options_say),
         cmocka_unit_test(first_samples_are_few),
         cmocka_unit_test(rays_at_rims_are_a_fraction_of_the_samples),
-        cmocka_unit_test(rounds_become_finer_until_they_end),
-        cmocka_unit_test(the_last_records_are_half_a_pixel_wide),
-        cmocka_unit_test(no_record_is_read_wider_than_it_may_be),
-        cmocka_unit_test(adaptive_caching_compares_a_bounded_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
