@@ -13,14 +13,19 @@ static void send_message(struct log log, satin_log_severity severity, char *text
     log.fn(log.user, severity, text);
 }
 
+static void log_arguments(struct log log, satin_log_severity severity, const char *format,
+                          va_list args) {
+    char text[LOG_BYTES];
+    vsnprintf(text, sizeof text, format, args);
+    send_message(log, severity, text);
+}
+
 void log_message(struct log log, satin_log_severity severity, const char *format, ...) {
     if (!log.fn) return;
-    char text[LOG_BYTES];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    log_arguments(log, severity, format, args);
     va_end(args);
-    send_message(log, severity, text);
 }
 
 static void log_at(struct log log, satin_log_severity severity, struct log_place place,
@@ -58,11 +63,9 @@ void log_warning_at(struct log log, struct log_place place, const char *format, 
 
 satin_status log_fail(struct log log, satin_status status, const char *format, ...) {
     if (!log.fn) return status;
-    char text[LOG_BYTES];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    log_arguments(log, SATIN_LOG_ERROR, format, args);
     va_end(args);
-    send_message(log, SATIN_LOG_ERROR, text);
     return status;
 }

@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/vec.h"
+#include "rsh/rsh.h"
 #include "satin/options.h"
 
 // Lobes of a BRDF, as a mask. Delta lobes scatter to single directions and have no value or
@@ -277,6 +278,10 @@ struct brdf_table_info {
     float fraction;  // fraction of the hemisphere of outgoing directions that is represented
     size_t bytes;
 };
+
+static inline rsh_basis brdf_rsh_basis(satin_basis basis) {
+    return basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
+}
 
 // How a lobe is represented by harmonics.
 struct brdf_fit {

@@ -160,8 +160,7 @@ satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
         return SATIN_ERROR_ARGUMENT;
     struct brdf white = *b;
     white.specular = rgb_grey(1.0f);
-    struct brdf_table *t =
-        table_new(&white, fit->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, max_order);
+    struct brdf_table *t = table_new(&white, brdf_rsh_basis(fit->basis), max_order);
     struct table_build build = {.brdf = &white, .table = t, .fit = fit};
     brdf_project_rule_make(&build.rule);
     build.points = array_new((size_t)parallel_threads(pool), sizeof *build.points);

@@ -18,7 +18,7 @@ static void project_cosine(float *out, satin_basis basis, int order) {
         for (int j = 0; j < CACHE_ROWS; j++) {
             double z = (j + 0.5) / CACHE_ROWS;
             float w[3] = {(float)sqrt(1.0 - z * z), 0.0f, (float)z};
-            rsh_eval(basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, order, w, y);
+            rsh_eval(brdf_rsh_basis(basis), order, w, y);
             sum += z * (double)y[l * (l + 1)];
         }
         out[l * (l + 1)] = (float)(2.0 * 3.14159265358979323846 * sum / CACHE_ROWS);

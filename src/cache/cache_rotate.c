@@ -25,11 +25,10 @@ void cache_rotate(const struct cache *cache, const struct frame *from, const str
     // The thesis uses the fast rotation up to 1.25 a [K05 5.4]. There its error is several per cent
     // at order 10, which is more than that of the records, and exact rotation takes no measurable
     // time, so the default is 0.
-    const rsh_alignment alignment = {
-        .basis = o->radiance_basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE,
-        .from = record,
-        .to = point,
-        .beta_limit = o->radiance_rotation};
+    const rsh_alignment alignment = {.basis = brdf_rsh_basis(o->radiance_basis),
+                                     .from = record,
+                                     .to = point,
+                                     .beta_limit = o->radiance_rotation};
     if (!rsh_align_transposed(&alignment, lobe->order, lobe->channels, lobe->C, rotated))
         memcpy(rotated, lobe->C,
                sizeof *rotated * (size_t)(lobe->channels * lobe->order * lobe->order));

@@ -195,7 +195,7 @@ static void project(const struct gather_hemisphere *h, const float *r, const flo
                     const float *b, float *lambda) {
     const struct gather_layout *l = h->layout;
     const rsh_samples samples = {h->all, h->x, h->y, h->z, r, g, b};
-    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, &samples, lambda);
+    rsh_project(brdf_rsh_basis(l->basis), l->order, &samples, lambda);
 }
 
 static void project_weighted(const struct gather_hemisphere *h, float *lambda) {

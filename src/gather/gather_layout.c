@@ -94,7 +94,7 @@ static void hessian_rows(struct gather_layout *l) {
 static void evaluate(const struct gather_layout *l, double theta, double phi, float *y) {
     float w[3] = {(float)(sin(theta) * cos(phi)), (float)(sin(theta) * sin(phi)),
                   (float)cos(theta)};
-    rsh_eval(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, w, y);
+    rsh_eval(brdf_rsh_basis(l->basis), l->order, w, y);
 }
 
 // The factor of every harmonic that depends on theta: its value where its trigonometric factor is

@@ -86,8 +86,7 @@ static void derive(const struct gather_layout *l, const struct ray_hit *at, floa
     const int n2 = l->order * l->order;
     float H[RSH_MAX_COEFFICIENTS], dtheta[RSH_MAX_COEFFICIENTS], dphi[RSH_MAX_COEFFICIENTS];
     const float w[3] = {at->w.x, at->w.y, at->w.z};
-    rsh_eval_derivatives(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, w, H,
-                         dtheta, dphi);
+    rsh_eval_derivatives(brdf_rsh_basis(l->basis), l->order, w, H, dtheta, dphi);
     const float sine = fmaxf(sqrtf(w[0] * w[0] + w[1] * w[1]), 1e-6f), per_r = 1.0f / at->r;
     const float cos_phi = w[0] / sine, sin_phi = w[1] / sine;
     const float omega_x = (at->n.x / at->c + 3.0f * w[0]) * per_r;
@@ -139,7 +138,7 @@ static void add_difference(const struct gather_hemisphere *h, size_t first, vec3
     }
     const rsh_samples samples = {count - first, x + first, y + first, z + first,
                                  r + first,     g + first, b + first};
-    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, &samples, out);
+    rsh_project(brdf_rsh_basis(l->basis), l->order, &samples, out);
 }
 
 void gather_solid_angle_radiance(const struct gather_hemisphere *h, bool differences, size_t first,

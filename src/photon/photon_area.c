@@ -10,8 +10,6 @@
 #include "photon/photon_map.h"
 
 // In units of the disc's radius r.
-// Of the rays along the surface: above ripples, and below objects that stand on it.
-#define AREA_HEIGHT 0.1f
 #define DEPTH 0.35f      // how far the surface may curve below the tangent plane
 #define EXTENT_MIN .02f  // limits 1 / extent
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
@@ -57,7 +55,8 @@ static struct raised_disc raised_disc_make(const struct satin_scene *scene, vec3
                                            float r) {
     struct ray up = scene_spawn(scene, p, n, n);
     // In a gap lower than that, rays are at half its height.
-    float height = AREA_HEIGHT * r, clearance = clear_distance(scene, up.o, n, 2.0f * height);
+    float height = PHOTON_SURFACE_HEIGHT * r,
+          clearance = clear_distance(scene, up.o, n, 2.0f * height);
     if (clearance < 2.0f * height) height = 0.5f * clearance;
     return (struct raised_disc){scene, v3_mad(up.o, height, n), n, height, r};
 }

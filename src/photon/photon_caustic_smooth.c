@@ -26,8 +26,6 @@ enum {
 };
 #define ASIDE 1.2f  // least distance of a site from its photon, in radii of its disc
 #define ASIDE_MOST 1.7f
-// Above the surface, in units of that distance, from where the site is searched.
-#define SMOOTH_HEIGHT 0.1f
 // Fraction of the variance left in a plane; small, but not 1 / n, as discs overlap.
 #define NOISE_LEFT 0.16f
 
@@ -72,8 +70,10 @@ static bool find_position(const struct estimating *loop, size_t site, vec3 *p, v
     const float aside = r->radius[entry] * sqrtf(least2 + (most2 - least2) * rng_float(&rng));
     vec3 above =
         v3_mad(photon_entry_position(&r->position, entry), aside * cosf(rotation), frame.u);
-    above = v3_mad(v3_mad(above, aside * sinf(rotation), frame.v), SMOOTH_HEIGHT * aside, *n);
-    if (!photon_surface_below(scene, above, *n, 2.0f * SMOOTH_HEIGHT * aside, p, n)) return false;
+    above =
+        v3_mad(v3_mad(above, aside * sinf(rotation), frame.v), PHOTON_SURFACE_HEIGHT * aside, *n);
+    if (!photon_surface_below(scene, above, *n, 2.0f * PHOTON_SURFACE_HEIGHT * aside, p, n))
+        return false;
     return photon_irradiance_visible(r, scene, (int)entry, *p, *n);
 }
 

@@ -22,8 +22,6 @@ enum {
 // irradiance, the difference that is visible by Weber's law; and this one of the irradiance around
 // it, of which the peaks of kernels of k = 60 equal photons have .03.
 static const float DIVIDE_VISIBLE = 0.02f, DIVIDE_AROUND = 0.1f;
-// Above the surface, in units of the distance from the photon, where its surroundings are searched.
-static const float DIVIDE_HEIGHT = 0.1f;
 
 struct dividing {
     const struct satin_scene *scene;
@@ -76,7 +74,7 @@ static void count_copies(void *ctx, size_t begin, size_t end, int worker) {
 // Moves *hit along the surface to the offset from the photon. False if the surface ends before.
 static bool move_along(const struct satin_scene *scene, vec3 offset, vec3 n,
                        struct photon_hit *hit) {
-    const float height = DIVIDE_HEIGHT * v3_len(offset);
+    const float height = PHOTON_SURFACE_HEIGHT * v3_len(offset);
     const vec3 from = v3_mad(hit->p, height, n), above = v3_add(from, offset);
     const struct ray along = scene_spawn_to(scene, from, n, above, v3(0, 0, 0));
     vec3 p, ng;

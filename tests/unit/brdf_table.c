@@ -153,7 +153,7 @@ static void lookups_agree_with_projection(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct brdf_table *table =
             test_brdf_table_build(&cases[i].b, cases[i].basis, cases[i].order, 0.2f, 2);
-        rsh_basis basis = cases[i].basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
+        rsh_basis basis = brdf_rsh_basis(cases[i].basis);
         struct rng rng = rng_make(5, RNG_TEST, i);
         for (int k = 0; k < 60; k++) {
             vec3 wo = sample_cosine_hemisphere(rng_float(&rng), rng_float(&rng));

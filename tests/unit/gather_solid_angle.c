@@ -92,7 +92,7 @@ static void gather_solid_angle_compare(const float *given, const double *wanted,
 // floats, so their differences are good to 1e-3 only and the step must be larger: .003, whose
 // third-order term is that squared times 10 squared.
 static void wanted_radiance(const struct gather_solid_angle_fixture *f, int axis, double *out) {
-    const rsh_basis basis = f->layout->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
+    const rsh_basis basis = brdf_rsh_basis(f->layout->basis);
     for (int k = 0; k < 3 * N2; k++) out[k] = 0.0;
     for (size_t i = 0; i < f->count; i++)
         for (int side = -1; side <= 1; side += 2) {
