@@ -110,8 +110,6 @@ static bool take_frame(struct path_reader *r, const struct toml_node *table, siz
 
 // ---- Views --------------------------------------------------------------------------------------
 
-static vec3 vector_of(const double v[3]) { return v3((float)v[0], (float)v[1], (float)v[2]); }
-
 // Sets the views of all frames from the keyframes.
 static bool make_views(struct path_reader *r) {
     const struct path_keys *keys = &r->keys;
@@ -133,8 +131,8 @@ static bool make_views(struct path_reader *r) {
             view->up[k] = animation_value(keys->count, keys->at, keys->up[k], at);
         view->fov = animation_value(keys->count, keys->at, keys->fov, at);
         struct mat4 to_world;
-        if (mat4_look_at(vector_of(view->origin), vector_of(view->target), vector_of(view->up),
-                         &to_world))
+        if (mat4_look_at(v3_of_doubles(view->origin), v3_of_doubles(view->target),
+                         v3_of_doubles(view->up), &to_world))
             continue;
         ok = false;
         r->reader.status = SATIN_ERROR_INPUT;

@@ -170,10 +170,11 @@ bool app_progress_update(void *user, const satin_progress *now);
 // Ends the line of the last stage, or erases the bar.
 void app_progress_end(struct app_progress *progress);
 
-// Two functions of type satin_log_fn; `user` is a struct app_progress or NULL. The first prints
-// errors unchanged, for messages that begin with a file name; the second adds the prefix
-// `satin: error: `.
+// Functions of type satin_log_fn; `user` is a struct app_progress or NULL. The first prints errors
+// unchanged, for messages that begin with a file name; the second prints only errors, as the first;
+// the third adds the prefix `satin: error: `.
 void app_log_file(void *user, satin_log_severity severity, const char *message);
+void app_log_file_errors(void *user, satin_log_severity severity, const char *message);
 void app_log(void *user, satin_log_severity severity, const char *message);
 
 // From now on SIGINT, SIGTERM and SIGHUP cancel the render. A signal more than a second after the

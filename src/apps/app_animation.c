@@ -210,15 +210,10 @@ static satin_status read_posed_scene(const struct app_render_request *r,
     return satin_scene_load_request(r->scene, &request, log.fn, log.user, scene);
 }
 
-// A satin_log_fn that passes errors on.
-static void pass_errors(void *user, satin_log_severity severity, const char *message) {
-    if (severity == SATIN_LOG_ERROR) app_log_file(user, severity, message);
-}
-
 satin_status app_animation_scene(const struct app_render_request *r,
                                  const struct app_animation *animation, int number,
                                  satin_scene **scene) {
-    const struct log log = {pass_errors, NULL};
+    const struct log log = {app_log_file_errors, NULL};
     const size_t count = animation->path.object_count;
     satin_pose *pose = array_new(count, sizeof *pose);
     if (!pose) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");

@@ -232,11 +232,6 @@ static void print_table(const struct app_compared *compared, int count) {
 
 // ---- Pictures -----------------------------------------------------------------------------------
 
-// The images have been warned of already.
-static void log_errors(void *user, satin_log_severity severity, const char *message) {
-    if (severity == SATIN_LOG_ERROR) app_log_file(user, severity, message);
-}
-
 // Writes the signed differences in R, G and B, and the errors of the pixels: 0 in masked pixels,
 // and NaN in those that are not finite.
 static satin_status write_error_exr(const char *path, const struct app_compared *c,
@@ -253,8 +248,9 @@ static satin_status write_error_exr(const char *path, const struct app_compared 
     film->keep_nonfinite = true;
     memcpy(film->channel[3], c->error, count * sizeof *c->error);
     if (c->flip) memcpy(film->channel[4], c->flip, count * sizeof *c->flip);
+    // Warnings of what the images hold were printed when these were read.
     const satin_status status =
-        film_write_exr(film, path, NULL, (struct log){log_errors, log.user});
+        film_write_exr(film, path, NULL, (struct log){app_log_file_errors, log.user});
     satin_film_free(film);
     return status;
 }

@@ -122,6 +122,10 @@ void app_log_file(void *user, satin_log_severity severity, const char *message) 
         print(progress, "satin: warning: ", message);
 }
 
+void app_log_file_errors(void *user, satin_log_severity severity, const char *message) {
+    if (severity == SATIN_LOG_ERROR) app_log_file(user, severity, message);
+}
+
 void app_log(void *user, satin_log_severity severity, const char *message) {
     if (severity == SATIN_LOG_ERROR)
         print_error(user, "satin: error: ", message);

@@ -35,6 +35,10 @@ struct rng {
     uint64_t counter;
 };
 
+// 2^64 over the golden ratio, as an odd number: its multiples are distributed equally over all 64
+// bits (Steele et al. 2014; Knuth 1973, 6.4).
+#define RNG_GOLDEN 0x9e3779b97f4a7c15ull
+
 // The finaliser of splitmix64 (Steele et al. 2014): a bijection that mixes every bit into every
 // other.
 static inline uint64_t rng_mix(uint64_t x) {
@@ -44,12 +48,12 @@ static inline uint64_t rng_mix(uint64_t x) {
 }
 
 static inline struct rng rng_make(uint64_t seed, enum rng_stream stream, uint64_t item) {
-    uint64_t k = rng_mix(seed + 0x9e3779b97f4a7c15ull * (uint64_t)stream);
+    uint64_t k = rng_mix(seed + RNG_GOLDEN * (uint64_t)stream);
     return (struct rng){rng_mix(k ^ rng_mix(item + 0x632be59bd9b4e019ull)), 0};
 }
 
 static inline uint32_t rng_u32(struct rng *r) {
-    return (uint32_t)(rng_mix(r->key + 0x9e3779b97f4a7c15ull * ++r->counter) >> 32);
+    return (uint32_t)(rng_mix(r->key + RNG_GOLDEN * ++r->counter) >> 32);
 }
 
 // Uniform in [0, 1), 24 bits.
@@ -57,7 +61,7 @@ static inline float rng_float(struct rng *r) { return (float)(rng_u32(r) >> 8) *
 
 // Uniform in [0, 1), 53 bits.
 static inline double rng_double(struct rng *r) {
-    return (double)(rng_mix(r->key + 0x9e3779b97f4a7c15ull * ++r->counter) >> 11) * 0x1p-53;
+    return (double)(rng_mix(r->key + RNG_GOLDEN * ++r->counter) >> 11) * 0x1p-53;
 }
 
 #endif

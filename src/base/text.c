@@ -35,6 +35,12 @@ bool text_same_name(const char *a, const char *b) {
     return !*a && !*b;
 }
 
+bool text_is_one_of(const char *name, const char *const *list) {
+    for (; *list; list++)
+        if (text_same_name(name, *list)) return true;
+    return false;
+}
+
 static int least(int a, int b) { return a < b ? a : b; }
 
 // The optimal string alignment distance, row by row; the last three rows suffice.

@@ -11,6 +11,8 @@ bool text_double(const char *text, double *out);
 
 // Whether two names are the same, where '-' equals '_' and letter case does not matter.
 bool text_same_name(const char *a, const char *b);
+// Whether a name is the same as one of a list that ends with NULL.
+bool text_is_one_of(const char *name, const char *const *list);
 
 // Searches the candidate with the fewest edits (insert, delete, replace, swap of neighbours) to
 // `word`. Start with {word}. After all candidates were tried, `best` is the first of the nearest

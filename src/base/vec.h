@@ -30,6 +30,9 @@ static inline float minf(float a, float b) { return a < b ? a : b; }
 static inline float maxf(float a, float b) { return a > b ? a : b; }
 
 static inline vec3 v3(float x, float y, float z) { return (vec3){x, y, z}; }
+static inline vec3 v3_of_doubles(const double v[3]) {
+    return v3((float)v[0], (float)v[1], (float)v[2]);
+}
 static inline vec3 v3_add(vec3 a, vec3 b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline vec3 v3_sub(vec3 a, vec3 b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline vec3 v3_mul(vec3 a, float s) { return v3(a.x * s, a.y * s, a.z * s); }

@@ -16,6 +16,13 @@ extern const struct brdf_model brdf_model_phong;
 extern const struct brdf_model brdf_model_ward;
 extern const struct brdf_model brdf_model_lafortune, brdf_model_merl, brdf_model_tabulated;
 
+// Functions of a model (struct brdf_model): the density of a diffuse lobe alone, and probabilities
+// of lobes by the means of their colours, without a delta lobe (brdf_diffuse.c).
+void brdf_diffuse_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                      float *glossy);
+void brdf_mean_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                             float *delta);
+
 // Tabulates the albedo of the glossy lobe of b, if there is one (brdf_albedo.c).
 satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena);
 

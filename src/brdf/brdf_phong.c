@@ -51,14 +51,6 @@ static bool phong_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, 
     return wi->z > 0.0f;
 }
 
-static void phong_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
-                                float *delta) {
-    (void)wo;
-    *diffuse = rgb_mean(b->diffuse);
-    *glossy = rgb_mean(b->specular);
-    *delta = 0.0f;
-}
-
 const struct brdf_model brdf_model_phong = {
     .name = "phong",
     .doc = "diffuse base and a cosine-power lobe about the mirror direction",
@@ -67,5 +59,5 @@ const struct brdf_model brdf_model_phong = {
     .eval = phong_eval,
     .pdf = phong_pdf,
     .sample_glossy = phong_sample,
-    .probabilities = phong_probabilities,
+    .probabilities = brdf_mean_probabilities,
 };

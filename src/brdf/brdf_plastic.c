@@ -54,13 +54,6 @@ static void smooth_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rg
     *glossy = rgb_grey(0.0f);
 }
 
-static void smooth_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                       float *glossy) {
-    (void)b, (void)wo, (void)lobes;
-    *diffuse = wi.z * (1.0f / PI_F);
-    *glossy = 0.0f;
-}
-
 static int plastic_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                          struct brdf_sample out[2]) {
     (void)mode;
@@ -190,7 +183,7 @@ const struct brdf_model brdf_model_plastic = {
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR,
     .prepare = smooth_prepare,
     .eval = smooth_eval,
-    .pdf = smooth_pdf,
+    .pdf = brdf_diffuse_pdf,
     .diffuse_albedo = smooth_diffuse_albedo,
     .delta = plastic_delta,
     .probabilities = smooth_plastic_probabilities,

@@ -56,14 +56,6 @@ static bool ward_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, v
     return c > 0.0f && wi->z > 0.0f;
 }
 
-static void ward_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
-                               float *delta) {
-    (void)wo;
-    *diffuse = rgb_mean(b->diffuse);
-    *glossy = rgb_mean(b->specular);
-    *delta = 0.0f;
-}
-
 const struct brdf_model brdf_model_ward = {
     .name = "ward",
     .doc = "diffuse base and an anisotropic Gaussian lobe (ward, ward-duer or balanced)",
@@ -73,5 +65,5 @@ const struct brdf_model brdf_model_ward = {
     .eval = ward_eval,
     .pdf = ward_pdf,
     .sample_glossy = ward_sample,
-    .probabilities = ward_probabilities,
+    .probabilities = brdf_mean_probabilities,
 };

@@ -252,7 +252,7 @@ static void add_irradiance_rays(const struct batch *b, struct batch_member *memb
     if (!(member->found.around.deviation > UNSURE)) return;
     const struct cache_irradiance_value first = member->found.irradiance;
     struct gather_site again = *site;
-    again.stream = rng_mix(site->stream ^ 0x9e3779b97f4a7c15ull);
+    again.stream = rng_mix(site->stream ^ RNG_GOLDEN);
     gather_hemisphere_trace(b->fill->g, b->fill->side[b->kind].whole, &again, w->scratch,
                             w->hemisphere);
     find_irradiance(b, member, w->hemisphere);
@@ -283,7 +283,7 @@ static void make_records(void *ctx, size_t begin, size_t end, int worker) {
             b->records->add_rays(b, member, &site, w);
             member->found.valid = b->records->make(b, member);
             if (!member->found.valid) member->found.refused++;
-            site.stream = rng_mix(site.stream + 0x9e3779b97f4a7c15ull);
+            site.stream = rng_mix(site.stream + RNG_GOLDEN);
         }
     }
 }

@@ -16,7 +16,7 @@ enum { LOBE_DIMENSION = 0 };  // of the sampler
 // Draws the rays, and returns the number of those that did not fail.
 static size_t draw_lobe_rays(const struct gather *g, const struct gather_site *site, size_t wanted,
                              struct gather_hemisphere *h) {
-    const uint32_t seed = (uint32_t)rng_mix(site->stream + 0x9e3779b97f4a7c15ull);
+    const uint32_t seed = (uint32_t)rng_mix(site->stream + RNG_GOLDEN);
     size_t drawn = 0;
     for (size_t i = 0; i < wanted; i++) {
         struct sampler u = {(uint32_t)i, seed, LOBE_DIMENSION};

@@ -64,7 +64,7 @@ bool guide_cone_holds(const struct guide_cone *cone, vec3 w) {
 bool guide_rays_draw(struct guide_rays *rays, struct guide_draw *draw, vec3 *w, float *density) {
     for (; draw->cone < rays->count; draw->cone++, draw->ray = 0) {
         const int c = draw->cone;
-        const uint32_t seed = (uint32_t)rng_mix(draw->stream + 0x9e3779b97f4a7c15ull * (size_t)c);
+        const uint32_t seed = (uint32_t)rng_mix(draw->stream + RNG_GOLDEN * (size_t)c);
         if (draw->ray == 0) rays->first[c] = draw->drawn;
         while (draw->ray < rays->rays[c]) {
             *w = guide_cone_sample(&rays->cone[c], sample_sobol2((uint32_t)draw->ray++, seed));

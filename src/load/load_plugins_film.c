@@ -152,12 +152,6 @@ static satin_status check_side(struct load_state *loader, const struct params *p
     return SATIN_ERROR_INPUT;
 }
 
-static bool is_one_of(const char *word, const char *const *list) {
-    for (; *list; list++)
-        if (text_same_name(word, *list)) return true;
-    return false;
-}
-
 // Reads the formats of pixels and of their components, in any case of letters, as in Mitsuba.
 static void read_formats(struct load_state *loader, const struct params *p,
                          struct scene_film *film) {
@@ -166,12 +160,12 @@ static void read_formats(struct load_state *loader, const struct params *p,
     static const char *const component[] = {"float16", "float32", "uint32", NULL};
     const struct param_value *pixel = load_param(p, "pixel_format"),
                              *size = load_param(p, "component_format");
-    film->alpha = is_one_of(pixel->s, alpha);
+    film->alpha = text_is_one_of(pixel->s, alpha);
     film->full_float = text_same_name(size->s, "float32");
-    if (!film->alpha && !is_one_of(pixel->s, plain))
+    if (!film->alpha && !text_is_one_of(pixel->s, plain))
         log_warning_at(loader->log, pixel->place, "the pixel_format '%.40s' is unknown: it is rgb",
                        pixel->s);
-    if (!is_one_of(size->s, component))
+    if (!text_is_one_of(size->s, component))
         log_warning_at(loader->log, size->place,
                        "the component_format '%.40s' is unknown: it is float16", size->s);
 }

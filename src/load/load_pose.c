@@ -17,17 +17,15 @@ struct load_pose {
     bool used, lit;    // whether an element of its id was built, and a light
 };
 
-static vec3 pose_vector(const double v[3]) { return v3((float)v[0], (float)v[1], (float)v[2]); }
-
 // The motion of a pose: scaled and rotated about its pivot, then translated.
 static struct mat4 pose_matrix(const satin_pose *pose) {
-    const vec3 pivot = pose_vector(pose->pivot), axis = pose_vector(pose->axis);
+    const vec3 pivot = v3_of_doubles(pose->pivot), axis = v3_of_doubles(pose->axis);
     const float scale = (float)pose->scale;
     const struct mat4 from = mat4_translate(v3_neg(pivot)),
                       grow = mat4_scale(v3(scale, scale, scale)),
                       rotate = v3_max_abs(axis) > 0.0f ? mat4_rotate(axis, (float)pose->angle)
                                                        : mat4_identity(),
-                      to = mat4_translate(v3_add(pivot, pose_vector(pose->translate)));
+                      to = mat4_translate(v3_add(pivot, v3_of_doubles(pose->translate)));
     const struct mat4 grown = mat4_mul(&grow, &from), rotated = mat4_mul(&rotate, &grown);
     return mat4_mul(&to, &rotated);
 }

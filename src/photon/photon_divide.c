@@ -13,10 +13,17 @@
 
 enum {
     DIVIDE_CHUNK = 256,
-    COPIES_LEAST = 16,   // of one photon
-    COPIES_MOST = 4096,  // a bound of memory
-    COPIES_DISC = 10,    // on the area of the largest disc of an estimate
-    DIVIDE_ATTEMPTS = 4  // at a position, each at half the distance
+    // Numbers of copies: the least of one photon, and on the area of the largest disc of an
+    // estimate, by which the peak of a copy's kernel is at most a tenth of that which counts as
+    // strong. In panes, half and double of each leave 1.54 to 1.63 times the squared mean of the
+    // caustics as the variance between two seeds, these 1.55, no division 1.91.
+    COPIES_LEAST = 16,
+    COPIES_DISC = 10,
+    COPIES_MOST = 4096,  // a bound of memory alone: the most was 368
+    // At a position, each at half the distance. Of 1,910 and 2,270 copies in staircase2 and
+    // living-room, 33 and 370 find no surface and stay at the photon; with two attempts 160 and
+    // 701, with eight none and 157.
+    DIVIDE_ATTEMPTS = 4
 };
 // A photon counts as strong if the peak of its kernel is above both: this fraction of the mean
 // irradiance, the difference that is visible by Weber's law; and this one of the irradiance around

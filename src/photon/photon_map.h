@@ -158,9 +158,9 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
 // Whether the surface covers the whole disc; fast if it does not.
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r);
 // The height above a photon's plane from which the surface around it is searched: above ripples,
-// and below objects that stand on it; as a fraction of the distance or of the disc's radius. In
-// staircase2 and living-room, 33 of 1,910 and 370 of 2,270 weaker photons of photon_divide.c find
-// no surface; with .025 they are 37 and 392, with .4 32 and 296.
+// and below objects that stand on it; as a fraction of the distance or of the disc's radius. It
+// hardly matters: of 1,910 and 2,270 copies of photons in staircase2 and living-room
+// (photon_divide.c), 33 and 370 find no surface; with .025 they are 37 and 392, with .4 32 and 296.
 #define PHOTON_SURFACE_HEIGHT 0.1f
 // The surface below a point, up to `depth` against n: its position and its geometric normal on the
 // side of n. False if there is none; then they are unchanged. Holes of masks count as surface.

@@ -49,7 +49,7 @@ static satin_status trace_map(const struct photon_sppm *p, int kind, uint64_t pa
     const bool caustic = kind == MAP_CAUSTIC;
     const struct photon_tracing tracing = {
         .scene = p->scene,
-        .seed = rng_mix(p->options->seed + 0x9e3779b97f4a7c15ull * pass),
+        .seed = rng_mix(p->options->seed + RNG_GOLDEN * pass),
         .consumer = {{.paths = caustic ? p->paths.caustic : p->paths.global,
                       .classes = 1u << (caustic ? PHOTON_CAUSTIC : PHOTON_INDIRECT),
                       .allocation = caustic ? NULL : &p->allocation}},

@@ -231,7 +231,7 @@ static bool start_path(const struct run *run, uint32_t light, uint64_t index,
                        struct photon_path *photon, uint64_t *refused) {
     const struct photon_tracing *tracing = run->tracing;
     // The sequence has 2^32 points; higher bits of the index go to the seed.
-    uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
+    uint64_t key = rng_mix(tracing->seed + RNG_GOLDEN * (2 * light + 1) +
                            (tracing->emission ? 0x632be59bd9b4e019ull : 0)) +
                    (index >> 32);
     float u[4], factor = 1.0f;

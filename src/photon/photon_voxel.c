@@ -4,8 +4,8 @@
 // the entry of its voxel, which is searched at the first lookup there: a voxel is so narrow that
 // its entry is as good as the nearest one.
 //
-// Voxels divide space and the directions of normals. Their width is that fraction of the spacing of
-// the entries around them, rounded down to a power of two. Spacings vary by orders of magnitude
+// Voxels divide space and the directions of normals. Their width is the spacing of the
+// entries around them, rounded down to a power of two. Spacings vary by orders of magnitude
 // between what lamps light and the rest, so widths are chosen by regions of a coarse grid.
 //
 // Entries that were found are kept in a hash table, which all workers read and write without locks.
@@ -17,6 +17,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "base/rng.h"
 #include "photon/photon_map.h"
 
 enum {
@@ -30,7 +31,7 @@ enum {
     REGIONS_MOST = 128  // along an axis
 };
 
-// Width of voxels over the spacing of entries.
+// Width of voxels over the spacing of entries. With .5 there are twice as many searches.
 static const float VOXEL_WIDTH = 1.0f;
 
 // Regions hold this many entries of a surface in the mean. Too small ones have no entries beside
@@ -211,7 +212,7 @@ static void set_centre(const struct photon_irradiance *r, uint64_t key, float qu
 
 // The first slot in which a voxel may be.
 static size_t home_of(const struct photon_voxels *v, uint64_t key) {
-    return key * 0x9E3779B97F4A7C15u >> v->shift;
+    return key * RNG_GOLDEN >> v->shift;
 }
 
 // The entry of a voxel; -1: it is not known yet.

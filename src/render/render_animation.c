@@ -12,8 +12,6 @@
 
 // ---- Cameras ------------------------------------------------------------------------------------
 
-static vec3 view_vector(const double v[3]) { return v3((float)v[0], (float)v[1], (float)v[2]); }
-
 // The camera of a view: the sensor of the scene elsewhere, and perhaps with another angle.
 static satin_status make_camera(const struct render *r, const satin_view *view, int number,
                                 struct camera *out) {
@@ -21,8 +19,8 @@ static satin_status make_camera(const struct render *r, const satin_view *view, 
     if (out->orthographic)
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "views of an animation need a perspective sensor");
-    if (!mat4_look_at(view_vector(view->origin), view_vector(view->target), view_vector(view->up),
-                      &out->to_world))
+    if (!mat4_look_at(v3_of_doubles(view->origin), v3_of_doubles(view->target),
+                      v3_of_doubles(view->up), &out->to_world))
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "frame %d has no view: origin and target coincide, or up is along the view",
                         number);

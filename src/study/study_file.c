@@ -72,12 +72,6 @@ static void log_option_error(void *user, satin_log_severity severity, const char
     if (severity == SATIN_LOG_ERROR) study_wrong(error->reader, error->node, "%s", message);
 }
 
-static bool is_any(const char *name, const char *const *list) {
-    for (; *list; list++)
-        if (text_same_name(name, *list)) return true;
-    return false;
-}
-
 // Whether an option may be set where it stands.
 static bool is_allowed(struct study_reader *r, const struct toml_node *node, bool varies) {
     static const char *const truth[] = {"width",         "height",      "max-depth",
@@ -87,7 +81,7 @@ static bool is_allowed(struct study_reader *r, const struct toml_node *node, boo
         return study_wrong(r, node, "the key 'seeds' of the study chooses the seeds");
     if (text_same_name(node->key, "layers"))
         return study_wrong(r, node, "a study compares the whole light, and needs its own layers");
-    if (varies && is_any(node->key, truth))
+    if (varies && text_is_one_of(node->key, truth))
         return study_wrong(r, node,
                            "it cannot vary, because it changes the true image and a scene has one "
                            "reference; it may stand in [set]");

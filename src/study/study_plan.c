@@ -43,12 +43,6 @@ struct combined {
     size_t count;
 };
 
-static bool is_in_list(const char *name, const char *const *list) {
-    for (; *list; list++)
-        if (text_same_name(name, *list)) return true;
-    return false;
-}
-
 static bool has_prefix_of(const char *name, const char *const *list) {
     for (; *list; list++)
         if (strncmp(name, *list, strlen(*list)) == 0) return true;
@@ -59,7 +53,7 @@ static void combine(struct combined *out, const struct study_settings *set,
                     const char *const *without, const char *const *prefix) {
     for (size_t i = 0; i < set->count && out->count < SETTINGS_MAX; i++) {
         const char *name = set->setting[i].name;
-        if (without && is_in_list(name, without)) continue;
+        if (without && text_is_one_of(name, without)) continue;
         if (prefix && has_prefix_of(name, prefix)) continue;
         out->setting[out->count++] = set->setting[i];
     }
@@ -121,7 +115,7 @@ static const char *const *make_arguments(struct planner *p, const struct combine
         const satin_setting *s = define ? NULL : &set->setting[i - scene->defines];
         const char *name = define ? scene->define[i].name : s->name;
         const char *value = define ? scene->define[i].value : s->value;
-        const bool flag = !define && is_in_list(name, flags);
+        const bool flag = !define && text_is_one_of(name, flags);
         const size_t bytes = strlen(name) + strlen(value) + 8;
         char *word = arena_alloc(arena, bytes), *joined = arena_alloc(arena, bytes);
         if (!word || !joined) return NULL;

@@ -29,6 +29,9 @@ static void names_are_compared_loosely(void **state) {
     assert_false(text_same_name("two", "two-pass"));
     assert_false(text_same_name("two-pass", "two"));
     assert_true(text_same_name("", ""));
+    const char *const list[] = {"path", "two-pass", NULL}, *const empty[] = {NULL};
+    assert_true(text_is_one_of("Two_Pass", list));
+    assert_false(text_is_one_of("two", list) || text_is_one_of("path", empty));
 }
 
 static const char *test_text_nearest(const char *word) {
