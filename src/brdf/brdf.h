@@ -319,7 +319,7 @@ void brdf_range_free(struct brdf_range *range);  // NULL is allowed
 // Order, fraction and size, over all roughnesses.
 struct brdf_table_info brdf_range_describe(const struct brdf_range *range);
 // Do what brdf_table_order and brdf_table_lookup do, for the roughness of b. The number of channels
-// is that of brdf_range_info.
+// is that of brdf_range_describe.
 int brdf_range_order(const struct brdf_range *range, const struct brdf *b, vec3 wo);
 int brdf_range_lookup(const struct brdf_range *range, const struct brdf *b, vec3 wo, float *c);
 

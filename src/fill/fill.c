@@ -6,12 +6,20 @@
 
 #include "fill/fill_record.h"
 
+static size_t layout_rays(const struct gather_layout *layout) {
+    return layout ? gather_layout_rays(layout) : 0;
+}
+
+// The largest number of rays of a record without those to clusters. Where glossy lobes draw rays,
+// they draw as many as there are stratified ones, which even of the fewest rays are 8.
 static size_t most_rays(const struct fill *fill) {
     size_t most = 0;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         for (int i = 0; i < FILL_LAYOUTS; i++) {
-            const struct gather_layout *layout = fill->side[k].layout[i];
-            if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
+            const size_t stratified = layout_rays(fill->side[k].layout[i]);
+            const size_t glossy = 2 * layout_rays(fill->side[k].glossy[i]);
+            if (stratified > most) most = stratified;
+            if (glossy > most) most = glossy;
         }
     return most;
 }

@@ -14,13 +14,13 @@
 enum { RAYS = 900 };
 
 // The floor of a box that is lit from aside by a point light in it.
-static void fill_rays_start(struct fill_case *f, int threads, float noise) {
+static void fill_rays_start(struct fill_case *f, int threads, int rays, float noise) {
     fill_case_begin(f);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
     test_light(&f->scene,
                (struct light){
                    .kind = LIGHT_POINT, .position = v3(0.7f, 0.5f, 0.6f), .value = rgb_grey(1.0f)});
-    f->options.irradiance_rays = f->options.radiance_rays = RAYS;
+    f->options.irradiance_rays = f->options.radiance_rays = rays;
     f->options.irradiance_a = f->options.radiance_a = 0.5f;
     f->options.irradiance_noise = f->options.radiance_noise = noise;
     fill_case_finish(
@@ -57,7 +57,7 @@ static void numbers_of_rays_differ_by_at_most_four(void **state) {
     for (int k = 0; k < 6; k++) {
         const enum cache_kind kind = k % 2 ? CACHE_RADIANCE : CACHE_IRRADIANCE;
         struct fill_case f;
-        fill_rays_start(&f, 2, noise[k / 2]);
+        fill_rays_start(&f, 2, RAYS, noise[k / 2]);
         size_t coarse = fill_rays_fill(&f, kind);
         const size_t count = cache_count(f.cache, kind);
         size_t off = 0;
@@ -79,7 +79,7 @@ static void rays_give_the_deviation_of_the_options(void **state) {
     double mean[2] = {0};
     for (int asked = 0; asked < 2; asked++) {
         struct fill_case f;
-        fill_rays_start(&f, 2, asked ? 0.7f * (float)mean[0] : 0.0f);
+        fill_rays_start(&f, 2, RAYS, asked ? 0.7f * (float)mean[0] : 0.0f);
         size_t coarse = fill_rays_fill(&f, CACHE_IRRADIANCE);
         const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
         double square = 0.0, rays = 0.0;
@@ -98,8 +98,8 @@ static void rays_give_the_deviation_of_the_options(void **state) {
 static void threads_do_not_change_numbers_of_rays(void **state) {
     (void)state;
     struct fill_case one, four;
-    fill_rays_start(&one, 1, 0.02f);
-    fill_rays_start(&four, 4, 0.02f);
+    fill_rays_start(&one, 1, RAYS, 0.02f);
+    fill_rays_start(&four, 4, RAYS, 0.02f);
     fill_rays_fill(&one, CACHE_RADIANCE);
     fill_rays_fill(&four, CACHE_RADIANCE);
     const enum cache_kind kinds[] = {CACHE_IRRADIANCE, CACHE_RADIANCE};
@@ -113,11 +113,33 @@ static void threads_do_not_change_numbers_of_rays(void **state) {
     fill_case_free(&four);
 }
 
+// Rays to clusters are half as many as stratified ones, and those of lobes as many.
+static void hemispheres_hold_all_rays(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; k++)
+        for (int rays = 4; rays < 100; rays++) {
+            struct fill_case f;
+            fill_rays_start(&f, 1, rays, k ? 0.1f : 0.0f);
+            const struct gather_hemisphere *h = f.fill->worker[0].hemisphere;
+            const size_t capacity = (size_t)(h->y - h->x);
+            for (int i = 0; i < FILL_LAYOUTS; i++) {
+                const struct gather_layout *lobes = f.fill->side[CACHE_RADIANCE].glossy[i];
+                const struct gather_layout *plain = f.fill->side[CACHE_IRRADIANCE].layout[i];
+                assert_true(!lobes == !plain);
+                if (!lobes) continue;
+                const size_t half = gather_layout_rays(lobes), all = gather_layout_rays(plain);
+                assert_true(2 * half + half / 2 <= capacity && all + all / 2 <= capacity);
+            }
+            fill_case_free(&f);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_of_rays_differ_by_at_most_four),
         cmocka_unit_test(rays_give_the_deviation_of_the_options),
         cmocka_unit_test(threads_do_not_change_numbers_of_rays),
+        cmocka_unit_test(hemispheres_hold_all_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
