@@ -22,7 +22,7 @@ struct brdf_range {
 };
 
 // Distributes the rungs from lo to hi.
-static void spread_rungs(struct brdf_range *r, const struct brdf_roughness *over) {
+static void set_rungs(struct brdf_range *r, const struct brdf_roughness *over) {
     const bool exponent = over->slot == BRDF_SLOT_EXPONENT;
     float lo = maxf(over->lo, exponent ? 1.0f : RANGE_LEAST), hi = maxf(over->hi, lo);
     float span = logf(hi / lo), step = logf(exponent ? RANGE_STEP * RANGE_STEP : RANGE_STEP);
@@ -40,7 +40,7 @@ satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness 
     if (!r) return SATIN_ERROR_MEMORY;
     r->slot = BRDF_SLOT_COUNT;
     r->count = 1;
-    if (over) spread_rungs(r, over);
+    if (over) set_rungs(r, over);
     satin_status status = SATIN_OK;
     for (int i = 0; i < r->count && status == SATIN_OK; i++) {
         struct brdf at = *b;

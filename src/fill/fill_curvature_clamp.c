@@ -24,7 +24,7 @@ static const float JACOBIAN_MOST = 4.0f;
 // Stratified rays of which the lobe reflects less than this fraction of its maximum are left out.
 static const float REFLECTED_LEAST = 0.001f;
 
-// The number of displaced points, which are on a circle, and of subsets of rays, whose spread is
+// The number of displaced points, which are on a circle, and of subsets of rays, whose variance is
 // the noise.
 enum { POINTS = 3, RAY_SUBSETS = 8 };
 

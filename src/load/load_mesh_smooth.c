@@ -84,8 +84,9 @@ static void smooth_corners(const struct raw_mesh *raw, struct smooth_corner *cor
 }
 
 // Copies the attributes to the corners, which are vertices now.
-static satin_status spread_attributes(const struct load_source *source, const struct raw_mesh *raw,
-                                      size_t corners, struct raw_mesh *out) {
+static satin_status attributes_of_corners(const struct load_source *source,
+                                          const struct raw_mesh *raw, size_t corners,
+                                          struct raw_mesh *out) {
     out->attribute = raw->attribute;
     out->attribute_count = raw->attribute_count;
     for (int i = 0; i < raw->attribute_count; i++) {
@@ -124,7 +125,7 @@ satin_status load_mesh_smooth(const struct load_source *source, float degrees,
         out.index[i] = (uint32_t)i;
     }
     out.triangle_count = raw->triangle_count;
-    status = spread_attributes(source, raw, count, &out);
+    status = attributes_of_corners(source, raw, count, &out);
     if (status == SATIN_OK) *raw = out;
     return status;
 }

@@ -187,13 +187,13 @@ static void blur_image(const struct adaptive_sampling *adapt, float *a, float *b
     parallel_for_all(adapt->pool, (size_t)adapt->width, ADAPTIVE_COLUMNS, blur_columns, &loop);
 }
 
-static void copy_spread(void *ctx, size_t begin, size_t end, int worker) {
+static void copy_variances(void *ctx, size_t begin, size_t end, int worker) {
     const struct adapting *loop = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) loop->to[i] = loop->adapt->pixel[i].variance;
 }
 
-static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
+static void wanted_by_variance(void *ctx, size_t begin, size_t end, int worker) {
     const struct adapting *loop = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
@@ -204,9 +204,9 @@ static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
 static const float *find_wanted(struct adaptive_sampling *adapt) {
     float *a = adapt->scratch;
     struct adapting loop = {.adapt = adapt, .to = a};
-    each_chunk(adapt, copy_spread, &loop);
+    each_chunk(adapt, copy_variances, &loop);
     blur_image(adapt, a, a + pixels(adapt));
-    each_chunk(adapt, want_by_spread, &loop);
+    each_chunk(adapt, wanted_by_variance, &loop);
     return a;
 }
 
@@ -217,7 +217,7 @@ static float limit_samples(float wanted, float count) {
                   clampf(0.5f * count, RENDER_GROWTH_LEAST, RENDER_GROWTH_MOST) * count);
 }
 
-static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
+static void sum_added(void *ctx, size_t begin, size_t end, int worker) {
     const struct adapting *loop = ctx;
     double sum = 0.0;
     (void)worker;
@@ -231,7 +231,7 @@ static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
 static double added_samples(const struct adaptive_sampling *adapt, const float *want,
                             float factor) {
     struct adapting loop = {.adapt = adapt, .from = want, .factor = factor};
-    return sum_chunks(adapt, sum_more, &loop);
+    return sum_chunks(adapt, sum_added, &loop);
 }
 
 // The factor that gives this number of samples, or the largest factor if none does. It is found by

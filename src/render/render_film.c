@@ -179,9 +179,9 @@ static void put_variance(const struct render_image *image, const struct channel_
     const double sum[3] = {(double)sums.r, (double)sums.g, (double)sums.b};
     const double square[3] = {(double)squares.r, (double)squares.g, (double)squares.b};
     for (int c = 0; c < 3; c++) {
-        const double spread = fmax(square[c] - sum[c] * sum[c] / n, 0.0) / (n - 1.0);
+        const double variance = fmax(square[c] - sum[c] * sum[c] / n, 0.0) / (n - 1.0);
         // The mean is that of all samples, of which some may be in no complete block.
-        put(planes, CHANNEL_VARIANCE + c, at, (float)(spread / (m * (double)pixel->samples)));
+        put(planes, CHANNEL_VARIANCE + c, at, (float)(variance / (m * (double)pixel->samples)));
     }
 }
 
