@@ -64,8 +64,7 @@ enum {
     // variance of direct light in a room with windows, for .64 times the CPU time.
     OPEN_BINS = 1024,
     // Per path, to find the box with the bins: half and double leave 1.02 and .99 times the
-    // variance
-    // of direct light in the case window, and .99 and 1.00 times in living-room.
+    // variance of direct light in the case window, and .99 and 1.00 times in living-room.
     BOX_RAYS = 8,
     // From a cell to each light. They hardly matter: in two rooms with four lamps outside, 1, 8 and
     // 64 leave 1.01, 1.00 and 1.00 times the variance, for .01, .02 and .08 seconds instead of .04.
