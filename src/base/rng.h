@@ -17,7 +17,7 @@ enum rng_stream {
     RNG_SITE,
     RNG_TEST = 10,
     RNG_CAUSTIC,
-    RNG_GUIDE,
+    RNG_EMISSION,
     RNG_SEEN,
     RNG_BOUNCE,
     RNG_ALLOCATION,

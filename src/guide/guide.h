@@ -48,29 +48,50 @@ struct guide_allocation {
 void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, int paths,
                            struct parallel *pool, struct guide_allocation *out);
 
-// ---- Aim of emission (guide_emission.c) -------------------------------------------------------
+// ---- The region that is seen (guide_region.c) ---------------------------------------------------
 
-// The cells of the space of emission in which caustic paths start.
-struct guide_emission;
-struct guide_emission_request {
-    const struct satin_scene *scene;
-    const struct guide_seen *seen;
-    uint64_t seed, paths;
-    int cells;  // the largest number of cells of a light
+// The surfaces that are seen, in boxes.
+struct guide_region;
+// Finds them by this many paths from the eye. False, with *out unchanged, if there is no memory.
+// The caller frees *out. Threads as for guide_seen_make.
+bool guide_region_make(const struct satin_scene *scene, uint64_t seed, int paths,
+                       struct parallel *pool, struct guide_region **out);
+void guide_region_free(struct guide_region *region);  // NULL is allowed
+// Whether the point is in the region.
+bool guide_region_holds(const struct guide_region *region, vec3 p);
+
+// ---- Emission of caustics (guide_emission.c) ----------------------------------------------------
+
+// The boxes at which light is aimed that may become a caustic. False if there is no such light.
+bool guide_emission_target(const struct satin_scene *scene, const struct guide_seen *seen,
+                           struct light_aim *out);
+
+// A caustic path that starts at the numbers u of its light's emission, and the root of the squared
+// powers of the photons that it stores where they are seen.
+struct guide_emission_sample {
+    float u[4], power;
 };
-enum { EMISSION_CELLS_MAX = 1 << 12 };  // the largest value of `cells`
-// Finds by single rays which cells of each light's emission first hit a surface with a delta lobe.
-// *out is NULL if no material has one.
-satin_status guide_emission_build(const struct guide_emission_request *request,
-                                  struct parallel *pool, struct log log,
+// The paths of a pilot, which start uniformly over the numbers, the same number from each light, in
+// the order of the lights.
+struct guide_emission_pilot {
+    const struct satin_scene *scene;
+    struct light_aim aim;  // with which they were emitted
+    size_t per_light;
+    struct guide_emission_sample *sample;  // is reordered
+};
+// The distribution of caustic paths over the lights and over the space of their emission.
+struct guide_emission;
+// Learns it from the pilot; the caller frees *out. SATIN_ERROR_MEMORY.
+satin_status guide_emission_learn(const struct guide_emission_pilot *pilot, struct log log,
                                   struct guide_emission **out);
 void guide_emission_free(struct guide_emission *emission);  // NULL is allowed
-// The number of the pass's `paths` that start from light i.
-uint64_t guide_emission_paths(const struct guide_emission *emission, uint32_t light);
-// Replaces the random numbers of path `index` of guide_emission_paths(light) by numbers in the
-// selected cells. Returns the factor of its power.
-float guide_emission_warp(const struct guide_emission *emission, uint32_t light, uint64_t index,
-                          float u[4]);
+// The number of a pass's `paths` that start from a light.
+uint64_t guide_emission_paths(const struct guide_emission *emission, uint64_t paths,
+                              uint32_t light);
+// Replaces the random numbers of path `index` of guide_emission_paths by those of this
+// distribution. Returns the factor of its power.
+float guide_emission_warp(const struct guide_emission *emission, uint64_t paths, uint32_t light,
+                          uint64_t index, float u[4]);
 // The boxes at which the photons are aimed.
 const struct light_aim *guide_emission_aim(const struct guide_emission *emission);
 

@@ -5,16 +5,14 @@
 
 #include "base/array.h"
 #include "base/sampling.h"
-#include "guide/guide_visibility.h"
+#include "guide/guide_cells.h"
 
 enum {
-    CELL_BOUNCES = 2,  // bounces of a path: gather rays sample direct light from the second vertex
-                       // on
-    POINTS_PATH = 1 + CELL_BOUNCES,
+    POINTS_PATH = 1 + GUIDE_CELL_BOUNCES,
     CELL_LEAST = 8  // mean number of points of a cell
 };
 
-static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t i,
+static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t i, size_t bounces,
                        struct guide_cell_point *out) {
     struct rng rng = rng_make(seed, RNG_CELL, i);
     struct interaction s;
@@ -24,7 +22,7 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
     while (found) {
         bool through = scene_material_transmits(&scene->material[s.material], s.light >= 0);
         out[count] = (struct guide_cell_point){s.p, s.ng, n, through};
-        if (count++ == CELL_BOUNCES) break;
+        if (count++ == bounces) break;
         const struct frame frame = frame_from_normal(n);
         const float u = rng_float(&rng), v = rng_float(&rng);
         struct ray ray =
@@ -38,6 +36,7 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
 struct cell_paths {
     const struct satin_scene *scene;
     uint64_t seed;
+    size_t bounces;
     struct guide_cell_point *point;  // those of path i begin at POINTS_PATH i
     size_t *count;                   // number of points of each path
 };
@@ -46,19 +45,18 @@ static void trace_cells(void *ctx, size_t begin, size_t end, int worker) {
     struct cell_paths *paths = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        paths->count[i] =
-            add_path(paths->scene, paths->seed, (uint32_t)i, paths->point + i * POINTS_PATH);
+        paths->count[i] = add_path(paths->scene, paths->seed, (uint32_t)i, paths->bounces,
+                                   paths->point + i * POINTS_PATH);
 }
 
-// Stores the points of all paths in `point`, in the order of the paths. Returns their number.
-// `count` is memory for that of each path.
-static size_t find_points(const struct satin_scene *scene, uint64_t seed, size_t paths,
-                          struct parallel *pool, struct guide_cell_point *point, size_t *count) {
-    struct cell_paths traced = {.scene = scene, .seed = seed, .point = point, .count = count};
+// Stores the points of all paths at the front of traced->point, in the order of the paths. Returns
+// their number.
+static size_t find_points(struct cell_paths *traced, size_t paths, struct parallel *pool) {
     size_t points = 0;
-    parallel_for_all(pool, paths, GUIDE_SEEN_CHUNK, trace_cells, &traced);
+    parallel_for_all(pool, paths, GUIDE_SEEN_CHUNK, trace_cells, traced);
     for (size_t i = 0; i < paths; i++)
-        for (size_t k = 0; k < count[i]; k++) point[points++] = point[i * POINTS_PATH + k];
+        for (size_t k = 0; k < traced->count[i]; k++)
+            traced->point[points++] = traced->point[i * POINTS_PATH + k];
     return points;
 }
 
@@ -76,7 +74,7 @@ static void split_cells(struct guide_cells *cells, struct split_point *point, si
     split_cells(cells, point, first + left, count - left, 2 * node + 2, depth + 1);
 }
 
-bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, int paths,
+bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, int paths, int bounces,
                       struct parallel *pool, struct guide_cells *out) {
     const size_t points = (size_t)paths * POINTS_PATH;
     struct guide_cell_point *found = array_new(points, sizeof *found);
@@ -85,7 +83,8 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, int paths,
     out->point = array_new(points, sizeof *out->point);
     const bool made = found && point && path_count && out->point;
     if (made) {
-        const size_t count = find_points(scene, seed, (size_t)paths, pool, found, path_count);
+        struct cell_paths traced = {scene, seed, (size_t)bounces, found, path_count};
+        const size_t count = find_points(&traced, (size_t)paths, pool);
         out->depth = 0;
         while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= CELL_LEAST)
             out->depth++;

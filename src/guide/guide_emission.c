@@ -1,42 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
-// Selects where caustic paths start. The first surface of a caustic path has a delta lobe and is
-// not a pane. A pilot divides each light's unit hypercube of emission into cells, traces a few
-// single rays from each and selects the cells where one hit such a surface, and their neighbours.
-// The caustic pass starts most of its paths there, with uniform density, so that its photons have
-// equal power. The other cells get some paths too, which keeps the estimate unbiased. Light from
+// Learns where caustic paths start. The paths of a pilot start uniformly over each light's unit
+// hypercube of emission, and show from where photons come that light visible caustics. A tree
+// divides the hypercube by halves into cells, so that it is fine where that changes. The density
+// of paths in a cell is that of the least variance for their time. A fraction of all paths is
+// allocated by power, and each cell gets one, which keeps the estimate unbiased. Light from
 // infinity is aimed at the box of the surfaces with delta lobes, which misses none of them. If that
 // box is large, as with a pane of glass in front of everything that is seen, light is aimed at what
 // is seen (guide_seen.c).
+#include <math.h>
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "base/sampling.h"
 #include "guide/guide.h"
 
-enum {
-    // Rays of the pilot per cell: a property of its strata, whose number must not be divisible by
-    // 7, not
-    // a budget. The number of cells is one, and the caller's.
-    PILOT_RAYS = 16,
-    CELLS_MAX = 1 << 18  // of all lights together; a bound of memory
-};
-// Fraction of a light's paths that start in cells in which the pilot hit nothing. The power of
-// their photons is (1 - fraction) / fraction * (other cells / kept cells) times that of the others:
-// with a much smaller fraction, a caustic that the pilot missed would be a few very bright dots.
+// Least number of the pilot's paths in a cell. With 8, 32 and 128, caustics of a glass ball at 2 s
+// have a variance of .00044, .00041 and .00037.
+enum { CELL_PATHS = 128 };
+
+// Fraction of the paths that are allocated by power alone. Their photons may have many times the
+// power of the others: with a much smaller fraction, a caustic that the pilot missed would be a few
+// very bright dots.
 #define BLIND_FRACTION 0.2f
 
-// The cells of one light: a grid over the unit hypercube.
-struct emission_cells {
-    uint32_t split[4];  // number of cells along each random number
-    uint32_t total, kept;
-    uint32_t *cell;  // a permutation: first the `kept` cells, then the others, each in ascending
-                     // order
-    uint64_t paths;
+// The time of storing a photon, which includes that of its estimate, over that of tracing a path,
+// as measured in a bathroom with lamps in bulbs of glass.
+static const double STORING = 4.0;
+
+// A box in the unit hypercube of a light's emission.
+struct emission_cell {
+    float lo[4], hi[4];
+    float volume;
+    float density;  // of paths, relative to other cells
+    double end;     // fraction of all paths that start in this cell or in one before
 };
 
 struct guide_emission {
     uint32_t light_count;
-    struct emission_cells *light;
-    uint32_t *cells;  // cells of all lights
+    size_t *first;  // light_count + 1: index of the first cell of each light
+    struct emission_cell *cell;
+    size_t cell_count, capacity;
     struct light_aim aim;
 };
 
@@ -51,8 +54,8 @@ static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
     return false;
 }
 
-// The box of all surfaces with delta lobes. False if there are none.
-static bool find_target(const struct satin_scene *scene, struct light_target *out) {
+bool guide_emission_target(const struct satin_scene *scene, const struct guide_seen *seen,
+                           struct light_aim *out) {
     struct light_target box = {v3(INFINITY, INFINITY, INFINITY),
                                v3(-INFINITY, -INFINITY, -INFINITY)};
     bool found = false;
@@ -64,210 +67,197 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
         box = (struct light_target){v3_min(box.lo, lo), v3_max(box.hi, hi)};
         found = true;
     }
+    if (!found || scene->light_count == 0) return false;
     // No hit is outside of the scene's bounds, which come from the ray tracer.
-    *out =
-        (struct light_target){v3_max(box.lo, scene->bounds_lo), v3_min(box.hi, scene->bounds_hi)};
-    return found;
+    const struct light_target all = {v3_max(box.lo, scene->bounds_lo),
+                                     v3_min(box.hi, scene->bounds_hi)};
+    guide_seen_aim(seen, all, out);
+    return true;
 }
 
 // ---- Cells --------------------------------------------------------------------------------------
 
-// Divides the emission of a light into at most `budget` cells, which are finer along the numbers
-// that matter most.
-static void split_light(const struct light *light, uint32_t budget, struct emission_cells *cells) {
-    bool position =
-        light->kind != LIGHT_POINT && light->kind != LIGHT_SPOT && light->kind != LIGHT_PROJECTOR;
-    bool direction = light->kind != LIGHT_DIRECTIONAL && light->kind != LIGHT_BEAM;
-    for (int k = 0; k < 4; k++) cells->split[k] = 1;
-    cells->total = 1;
-    // Doubles the numbers of cells in turn, beginning with the directions of an area light.
-    for (int step = 0;; step = (step + 1) % 8) {
-        static const int order[2][8] = {{2, 3, 2, 3, 0, 1, 2, 3}, {0, 1, 2, 3, 0, 1, 2, 3}};
-        int k = order[light->kind != LIGHT_AREA][step];
-        if (k < 2 ? !position : !direction) continue;
-        if (cells->total * 2 > budget) return;
-        cells->split[k] *= 2;
-        cells->total *= 2;
-    }
-}
-
-static void cell_indices(const struct emission_cells *cells, uint32_t cell, uint32_t at[4]) {
-    for (int k = 0; k < 4; k++) {
-        at[k] = cell % cells->split[k];
-        cell /= cells->split[k];
-    }
-}
-
-static void cell_point(const struct emission_cells *cells, uint32_t cell, float u[4]) {
-    uint32_t at[4];
-    cell_indices(cells, cell, at);
-    for (int k = 0; k < 4; k++) u[k] = sample_stratum((int)at[k], u[k], (int)cells->split[k]);
-}
-
-struct emission_pilot {
-    const struct satin_scene *scene;
-    const struct guide_emission *emission;
-    uint64_t seed;
-    uint32_t light;
-    uint8_t *met;
+// What the pilot has found in a box: the numbers of its paths and of those that stored photons that
+// are seen, and the sum of the squared powers of these.
+struct emission_found {
+    size_t paths, seen;
+    double squares;
 };
 
-static bool meets_delta(const struct emission_pilot *pilot, const float u[4]) {
-    struct light_ray start;
-    if (!light_emit(pilot->scene, pilot->light, &pilot->emission->aim, u, &start)) return false;
-    return light_makes_caustic(pilot->scene, start.ray);
+static void count_sample(struct emission_found *found, const struct guide_emission_sample *sample) {
+    found->paths++;
+    found->seen += sample->power > 0.0f;
+    found->squares += (double)sample->power * (double)sample->power;
 }
 
-static void trace_pilot_cells(void *ctx, size_t begin, size_t end, int worker) {
-    (void)worker;
-    const struct emission_pilot *pilot = ctx;
-    const struct emission_cells *cells = &pilot->emission->light[pilot->light];
-    for (size_t c = begin; c < end; c++) {
-        struct rng rng = rng_make(pilot->seed, RNG_GUIDE, (uint64_t)pilot->light << 32 | c);
-        for (int i = 0; i < PILOT_RAYS && !pilot->met[c]; i++) {
-            // Latin hypercube strata along the first number of each pair.
-            float u[4] = {sample_stratum(i, rng_float(&rng), PILOT_RAYS), rng_float(&rng),
-                          sample_stratum(i * 7 % PILOT_RAYS, rng_float(&rng), PILOT_RAYS),
-                          rng_float(&rng)};
-            cell_point(cells, (uint32_t)c, u);
-            pilot->met[c] = meets_delta(pilot, u);
+// The density of paths with the least variance for the time of tracing and storing, n paths of
+// which take n (1 + STORING p): the root of the mean square over that of this time. A box gets one
+// seen path more than was found, since where none was found there may be some.
+static double density_of(struct emission_found found, double square) {
+    const double paths = (double)found.paths + 1.0, p = ((double)found.seen + 1.0) / paths;
+    return sqrt((found.squares + square) / paths / (1.0 + STORING * p));
+}
+
+// The error that the paths of a box leave per volume, if there are as many as by its density: their
+// density times the time of each.
+static double cost_of(struct emission_found found, double square) {
+    const double p = ((double)found.seen + 1.0) / ((double)found.paths + 1.0);
+    return density_of(found, square) * (1.0 + STORING * p);
+}
+
+// The cost of both halves along number k. INFINITY if a half is empty.
+static double halves(const struct guide_emission_sample *sample, size_t count, int k, float middle,
+                     double square) {
+    struct emission_found found[2] = {{0}};
+    for (size_t i = 0; i < count; i++) count_sample(&found[sample[i].u[k] >= middle], &sample[i]);
+    if (!found[0].paths || !found[1].paths) return INFINITY;
+    return 0.5 * (cost_of(found[0], square) + cost_of(found[1], square));
+}
+
+// Moves the samples below the middle to the front and returns their number.
+static size_t partition_samples(struct guide_emission_sample *sample, size_t count, int k,
+                                float middle) {
+    size_t below = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (sample[i].u[k] >= middle) continue;
+        const struct guide_emission_sample moved = sample[i];
+        sample[i] = sample[below];
+        sample[below++] = moved;
+    }
+    return below;
+}
+
+static bool add_cell(struct guide_emission *emission, const struct emission_cell *cell) {
+    void *items = emission->cell;
+    if (!array_reserve(&items, &emission->capacity, emission->cell_count + 1, sizeof *cell))
+        return false;
+    emission->cell = items;
+    emission->cell[emission->cell_count++] = *cell;
+    return true;
+}
+
+// Divides a box with its samples down to cells, each along the number by which its halves differ
+// most. `square` is the mean squared power of photons of the light that are seen.
+static bool divide(struct guide_emission *emission, struct emission_cell box,
+                   struct guide_emission_sample *sample, size_t count, double square) {
+    struct emission_found found = {0};
+    for (size_t i = 0; i < count; i++) count_sample(&found, &sample[i]);
+    box.density = (float)density_of(found, square);
+    int best = 0;
+    double least = INFINITY;
+    for (int k = 0; k < 4 && count >= 2 * CELL_PATHS && found.seen > 0; k++) {
+        const double cost = halves(sample, count, k, 0.5f * (box.lo[k] + box.hi[k]), square);
+        if (cost < least) {
+            least = cost;
+            best = k;
         }
     }
+    if (least == INFINITY) return add_cell(emission, &box);
+    const float middle = 0.5f * (box.lo[best] + box.hi[best]);
+    const size_t below = partition_samples(sample, count, best, middle);
+    struct emission_cell half[2] = {box, box};
+    half[0].hi[best] = half[1].lo[best] = middle;
+    half[0].volume = half[1].volume = 0.5f * box.volume;
+    return divide(emission, half[0], sample, below, square) &&
+           divide(emission, half[1], sample + below, count - below, square);
 }
 
-static bool is_near_met(const struct emission_cells *cells, const uint8_t *met, uint32_t cell) {
-    if (met[cell]) return true;
-    uint32_t at[4], step = 1;
-    cell_indices(cells, cell, at);
-    for (int k = 0; k < 4; k++) {
-        if (at[k] > 0 && met[cell - step]) return true;
-        if (at[k] + 1 < cells->split[k] && met[cell + step]) return true;
-        step *= cells->split[k];
-    }
-    return false;
+static bool divide_light(struct guide_emission *emission, struct guide_emission_sample *sample,
+                         size_t count) {
+    const struct emission_cell all = {.hi = {1.0f, 1.0f, 1.0f, 1.0f}, .volume = 1.0f};
+    struct emission_found found = {0};
+    for (size_t i = 0; i < count; i++) count_sample(&found, &sample[i]);
+    const double square = found.seen ? found.squares / (double)found.seen : 0.0;
+    return divide(emission, all, sample, count, square);
 }
 
-static void sort_cells(struct emission_cells *cells, const uint8_t *met) {
-    cells->kept = 0;
-    for (uint32_t c = 0; c < cells->total; c++)
-        if (is_near_met(cells, met, c)) cells->cell[cells->kept++] = c;
-    uint32_t n = cells->kept;
-    for (uint32_t c = 0; c < cells->total; c++)
-        if (!is_near_met(cells, met, c)) cells->cell[n++] = c;
-}
+// ---- Paths --------------------------------------------------------------------------------------
 
-// The fraction of a light's paths that start in the kept cells.
-static float kept_fraction(const struct emission_cells *cells) {
-    if (cells->kept == 0) return 0.0f;
-    return cells->kept == cells->total ? 1.0f : 1.0f - BLIND_FRACTION;
-}
-
-// Allocates the paths to the lights by the power that leaves their kept cells, and a tenth of them
-// by power.
-static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t paths,
+// Sets the ends of all cells.
+static void allocate_caustic_paths(const struct satin_scene *scene,
                                    struct guide_emission *emission) {
-    double kept = 0.0, all = 0.0;
-    for (uint32_t i = 0; i < emission->light_count; i++) {
-        const struct emission_cells *cells = &emission->light[i];
-        kept += (double)scene->light[i].power * cells->kept / cells->total;
-        all += (double)scene->light[i].power;
-    }
-    for (uint32_t i = 0; i < emission->light_count; i++) {
-        struct emission_cells *cells = &emission->light[i];
-        double power = scene->light[i].power, fraction = power / all;
-        if (kept > 0.0) fraction = 0.9 * power * cells->kept / cells->total / kept + 0.1 * fraction;
-        uint64_t n = (uint64_t)llround(fraction * (double)paths);
-        cells->paths = n > 16 ? n : 16;  // for cells that are kept and for others
-    }
+    double learnt = 0.0, power = 0.0, end = 0.0;
+    for (uint32_t i = 0; i < emission->light_count; i++) power += (double)scene->light[i].power;
+    for (size_t j = 0; j < emission->cell_count; j++)
+        learnt += (double)(emission->cell[j].volume * emission->cell[j].density);
+    const double blind = learnt > 0.0 ? (double)BLIND_FRACTION : 1.0;
+    for (uint32_t i = 0; i < emission->light_count; i++)
+        for (size_t j = emission->first[i]; j < emission->first[i + 1]; j++) {
+            struct emission_cell *cell = &emission->cell[j];
+            const double fraction = power > 0.0 ? (double)scene->light[i].power / power
+                                                : 1.0 / (double)emission->light_count;
+            end += blind * (double)cell->volume * fraction;
+            if (learnt > 0.0)
+                end += (1.0 - blind) * (double)(cell->volume * cell->density) / learnt;
+            cell->end = end;
+        }
 }
 
-static struct guide_emission *emission_new(const struct satin_scene *scene, uint32_t most) {
-    struct guide_emission *emission = calloc(1, sizeof *emission);
-    if (!emission) return NULL;
-    uint32_t lights = scene->light_count, budget = CELLS_MAX / lights;
-    if (budget > most) budget = most;
-    emission->light_count = lights;
-    emission->light = calloc(lights, sizeof *emission->light);
-    size_t total = 0;
-    for (uint32_t i = 0; emission->light && i < lights; i++) {
-        split_light(&scene->light[i], budget, &emission->light[i]);
-        total += emission->light[i].total;
-    }
-    emission->cells = malloc((total ? total : 1) * sizeof *emission->cells);
-    if (!emission->light || !emission->cells) {
-        guide_emission_free(emission);
-        return NULL;
-    }
-    total = 0;
-    for (uint32_t i = 0; i < lights; i++) {
-        emission->light[i].cell = emission->cells + total;
-        total += emission->light[i].total;
-    }
-    return emission;
-}
-
-satin_status guide_emission_build(const struct guide_emission_request *request,
-                                  struct parallel *pool, struct log log,
+satin_status guide_emission_learn(const struct guide_emission_pilot *pilot, struct log log,
                                   struct guide_emission **out) {
-    const struct satin_scene *scene = request->scene;
-    struct light_target target;
-    if (scene->light_count == 0 || !find_target(scene, &target)) {
-        *out = NULL;
-        return SATIN_OK;
+    const struct satin_scene *scene = pilot->scene;
+    struct guide_emission *emission = calloc(1, sizeof *emission);
+    bool made = emission != NULL;
+    if (made) {
+        emission->aim = pilot->aim;
+        emission->light_count = scene->light_count;
+        emission->first = array_new((size_t)scene->light_count + 1, sizeof *emission->first);
+        made = emission->first != NULL;
     }
-    satin_status status = SATIN_OK;
-    struct guide_emission *emission = emission_new(scene, (uint32_t)request->cells);
-    uint8_t *met = malloc(EMISSION_CELLS_MAX);
-    if (!emission || !met) status = SATIN_ERROR_MEMORY;
-    if (emission) guide_seen_aim(request->seen, target, &emission->aim);
-    for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
-        struct emission_pilot pilot = {scene, emission, request->seed, i, met};
-        for (int c = 0; c < EMISSION_CELLS_MAX; c++) met[c] = 0;
-        if (!parallel_for(pool, emission->light[i].total, 64, trace_pilot_cells, &pilot))
-            status = SATIN_CANCELLED;
-        else
-            sort_cells(&emission->light[i], met);
+    for (uint32_t i = 0; i < scene->light_count && made; i++) {
+        made = divide_light(emission, pilot->sample + i * pilot->per_light, pilot->per_light);
+        emission->first[i + 1] = emission->cell_count;
     }
-    free(met);
-    if (status != SATIN_OK) {
+    if (!made) {
         guide_emission_free(emission);
-        if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for caustics");
-        return status;
+        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for caustics");
     }
-    allocate_caustic_paths(scene, request->paths, emission);
+    allocate_caustic_paths(scene, emission);
     *out = emission;
     return SATIN_OK;
 }
 
 void guide_emission_free(struct guide_emission *emission) {
     if (!emission) return;
-    free(emission->light);
-    free(emission->cells);
+    free(emission->first);
+    free(emission->cell);
     free(emission);
 }
 
-uint64_t guide_emission_paths(const struct guide_emission *emission, uint32_t light) {
-    return emission->light[light].paths;
+// The index of the first path after those of a number of cells: one for each cell, and the others
+// by their fractions.
+static uint64_t paths_before(const struct guide_emission *emission, uint64_t paths, size_t cells) {
+    const uint64_t more = paths > emission->cell_count ? paths - emission->cell_count : 0;
+    const double end = cells ? emission->cell[cells - 1].end : 0.0;
+    return (uint64_t)cells + (uint64_t)llround(fmin(end, 1.0) * (double)more);
+}
+
+uint64_t guide_emission_paths(const struct guide_emission *emission, uint64_t paths,
+                              uint32_t light) {
+    return paths_before(emission, paths, emission->first[light + 1]) -
+           paths_before(emission, paths, emission->first[light]);
 }
 
 const struct light_aim *guide_emission_aim(const struct guide_emission *emission) {
     return &emission->aim;
 }
 
-// The first paths go to the kept cells and the others to the rest, in the order of the cells. x
-// runs uniformly over them: its integer part is the cell and its fraction the position along the
-// cell's first number. Together with the other numbers of the sequence, a net fills each cell.
-float guide_emission_warp(const struct guide_emission *emission, uint32_t light, uint64_t index,
-                          float u[4]) {
-    const struct emission_cells *cells = &emission->light[light];
-    uint64_t to_kept = (uint64_t)llround((double)kept_fraction(cells) * (double)cells->paths);
-    bool kept = index < to_kept;
-    uint64_t n = kept ? to_kept : cells->paths - to_kept, j = kept ? index : index - to_kept;
-    uint32_t first = kept ? 0 : cells->kept,
-             count = kept ? cells->kept : cells->total - cells->kept;
-    double x = ((double)j + (double)u[0]) * (double)count / (double)n;
-    uint32_t i = x < (double)count ? (uint32_t)x : count - 1;
-    u[0] = (float)(x - (double)i);
-    cell_point(cells, cells->cell[first + i], u);
-    return (float)((double)count / cells->total * (double)cells->paths / (double)n);
+// The paths of a cell are consecutive, so their numbers, from a net, fill it evenly.
+float guide_emission_warp(const struct guide_emission *emission, uint64_t paths, uint32_t light,
+                          uint64_t index, float u[4]) {
+    size_t lo = emission->first[light], hi = emission->first[light + 1];
+    const uint64_t first = paths_before(emission, paths, lo),
+                   count = paths_before(emission, paths, hi) - first;
+    while (hi - lo > 1) {
+        const size_t middle = lo + (hi - lo) / 2;
+        if (paths_before(emission, paths, middle) <= first + index)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    const struct emission_cell *cell = &emission->cell[lo];
+    for (int k = 0; k < 4; k++)
+        u[k] = fminf(cell->lo[k] + u[k] * (cell->hi[k] - cell->lo[k]), SAMPLE_BELOW_ONE);
+    const uint64_t own = paths_before(emission, paths, lo + 1) - paths_before(emission, paths, lo);
+    return (float)((double)cell->volume * (double)count / (double)own);
 }

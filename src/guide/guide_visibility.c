@@ -318,7 +318,8 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
-    if (!visibility || !guide_cells_make(scene, seed, samples.paths, pool, &visibility->cells)) {
+    if (!visibility || !guide_cells_make(scene, seed, samples.paths, GUIDE_CELL_BOUNCES, pool,
+                                         &visibility->cells)) {
         free(visibility);
         return SATIN_ERROR_MEMORY;
     }

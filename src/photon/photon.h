@@ -28,7 +28,8 @@ struct photon_paths {
     uint64_t clusters;  // the search for photon clusters; 0: there are no clusters
     uint64_t direct;    // direct photons, which show lit patches between the entries of irradiance
     uint64_t caustic;   // the caustic map
-    int caustic_cells;  // of a light's emission, of which a pilot finds those that make caustics
+    int emission;       // from each light, a pilot that finds where caustic paths start
+    int region;         // from the eye, which show where caustics are visible
 };
 
 // What the photon maps are made from. Of the options, the numbers of photons are not used.
@@ -36,7 +37,15 @@ struct photon_request {
     const struct satin_scene *scene;
     const satin_options *options;
     struct photon_paths paths;
+    // Where caustic paths start, from photon_emission_build; NULL: there is no caustic map.
+    const struct guide_emission *emission;
 };
+
+// Finds where caustic paths start by a pilot of them (photon_emission.c). The result is for any
+// number of paths. *out is NULL if there are none; the caller frees it by guide_emission_free.
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_emission_build(const struct photon_request *request, struct parallel *pool,
+                                   struct log log, struct guide_emission **out);
 
 // Traces photons, builds both maps and sets the statistics photons.*. SATIN_CANCELLED if the pool
 // was cancelled, or SATIN_ERROR_MEMORY. A scene without lights gives empty maps. The caller frees

@@ -25,6 +25,7 @@ struct photon_pass {
     const struct satin_scene *scene;
     const satin_options *options;
     struct photon_paths paths;
+    const struct guide_emission *emission;
     struct parallel *pool;
     struct log log;
     struct stats *stats;
@@ -161,25 +162,17 @@ static satin_status build_global(const struct photon_pass *pass, struct photon_m
 
 static satin_status build_caustic(const struct photon_pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
-    // With integrator photons, caustics are in the global map.
-    if (!pass->paths.caustic || o->integrator == SATIN_PHOTONS) return SATIN_OK;
-    struct guide_emission *emission = NULL;
-    double start = stats_wall();
-    parallel_begin_part(pass->pool, "trace");
-    struct guide_emission_request request = {pass->scene, &pass->boxes, o->seed,
-                                             pass->paths.caustic, pass->paths.caustic_cells};
-    satin_status status = guide_emission_build(&request, pass->pool, pass->log, &emission);
-    stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
-    if (status != SATIN_OK || !emission) return status;
+    if (!pass->emission) return SATIN_OK;
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
         .consumer = {{.paths = pass->paths.caustic, .classes = 1 << PHOTON_CAUSTIC}},
         .bounces = photon_bounces_left(o, 1),
-        .emission = emission};
+        .emission = pass->emission};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
-    status = photon_map_trace(&tracing, pass->pool, pass->log, pass->stats, &maps->caustic, trace);
-    guide_emission_free(emission);
+    parallel_begin_part(pass->pool, "trace");
+    satin_status status =
+        photon_map_trace(&tracing, pass->pool, pass->log, pass->stats, &maps->caustic, trace);
     if (status != SATIN_OK) return status;
     const float irradiance = mean_irradiance(&maps->irradiance);
     if (maps->caustic.count > 0)
@@ -207,6 +200,7 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
     struct photon_pass pass = {.scene = scene,
                                .options = options,
                                .paths = request->paths,
+                               .emission = request->emission,
                                .pool = pool,
                                .log = log,
                                .stats = stats};

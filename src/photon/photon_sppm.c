@@ -33,9 +33,8 @@ struct photon_sppm {
     const struct satin_scene *scene;
     const satin_options *options;
     struct photon_paths paths;
-    struct guide_seen seen;
     struct guide_allocation allocation;
-    struct guide_emission *emission;            // NULL: there are no caustics
+    const struct guide_emission *emission;      // NULL: there are no caustics
     struct photon_map first[PROGRESSIVE_MAPS];  // with radii
     struct photon_map map[PROGRESSIVE_MAPS];    // of the present pass
     uint64_t passes;                            // number of passes, the map of radii not counted
@@ -104,15 +103,11 @@ satin_status photon_sppm_new(const struct photon_request *request, struct parall
     p->scene = request->scene;
     p->options = request->options;
     p->paths = request->paths;
+    p->emission = request->emission;
     p->shrink2 = 1.0f;
     parallel_begin_part(pool, "seen");
-    guide_seen_make(p->scene, p->options->seed, p->paths.seen, pool, &p->seen);
     guide_allocation_make(p->scene, p->options->seed, p->paths.seen, pool, &p->allocation);
-    const struct guide_emission_request emission = {p->scene, &p->seen, p->options->seed,
-                                                    p->paths.caustic, p->paths.caustic_cells};
-    satin_status status = SATIN_OK;
-    if (p->paths.caustic) status = guide_emission_build(&emission, pool, log, &p->emission);
-    if (status == SATIN_OK) status = trace_pass(p, 0, pool, log, stats, p->first);
+    satin_status status = trace_pass(p, 0, pool, log, stats, p->first);
     const int k[PROGRESSIVE_MAPS] = {photon_clamp_k(p->options->photon_k),
                                      photon_clamp_k(p->options->caustic_k)};
     parallel_begin_part(pool, "estimate");
@@ -131,7 +126,6 @@ static void free_pass(struct photon_map map[PROGRESSIVE_MAPS]) {
 
 void photon_sppm_free(struct photon_sppm *p) {
     if (!p) return;
-    guide_emission_free(p->emission);
     free_pass(p->first);
     free_pass(p->map);
     free(p);

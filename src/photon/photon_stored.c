@@ -35,14 +35,13 @@ static satin_status trace_pilot(const struct photon_tracing *tracing, struct par
     return status;
 }
 
-static satin_status trace_caustic_pilot(const struct photon_request *request,
-                                        const struct guide_seen *seen, struct parallel *pool,
+static satin_status trace_caustic_pilot(const struct photon_request *request, struct parallel *pool,
                                         struct log log, struct photon_trace *out) {
     const satin_options *o = request->options;
     struct guide_emission *emission = NULL;
-    const struct guide_emission_request aim = {request->scene, seen, o->seed, PILOT_PATHS,
-                                               request->paths.caustic_cells};
-    satin_status status = guide_emission_build(&aim, pool, log, &emission);
+    struct photon_request few = *request;
+    few.paths.caustic = PILOT_PATHS;
+    satin_status status = photon_emission_build(&few, pool, log, &emission);
     *out = (struct photon_trace){0};
     if (status != SATIN_OK || !emission) return status;
     const struct photon_tracing tracing = {
@@ -62,9 +61,7 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
     const bool shown = o->integrator == SATIN_PHOTONS, passes = o->integrator == SATIN_SPPM;
     const unsigned all = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT;
     const unsigned bounced = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT;
-    struct guide_seen seen;
     struct guide_allocation allocation;
-    guide_seen_make(request->scene, o->seed, request->paths.seen, pool, &seen);
     guide_allocation_make(request->scene, o->seed, request->paths.seen, pool, &allocation);
     const struct photon_tracing tracing = {
         .scene = request->scene,
@@ -73,8 +70,8 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
         .bounces = photon_bounces_left(o, shown || passes ? 1 : 2)};
     struct photon_trace global, caustic = {0};
     satin_status status = trace_pilot(&tracing, pool, log, &global);
-    if (status == SATIN_OK && request->paths.caustic && !shown)
-        status = trace_caustic_pilot(request, &seen, pool, log, &caustic);
+    if (status == SATIN_OK && request->paths.caustic)
+        status = trace_caustic_pilot(request, pool, log, &caustic);
     if (status != SATIN_OK) return status;
     const bool direct = !passes && (!o->gather_direct || shown);
     out->global =

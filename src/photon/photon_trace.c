@@ -35,7 +35,7 @@ struct run {
 static uint64_t paths_of(const struct photon_tracing *tracing,
                          const struct photon_consumer *consumer, uint32_t light) {
     if (consumer->paths == 0) return 0;
-    if (tracing->emission) return guide_emission_paths(tracing->emission, light);
+    if (tracing->emission) return guide_emission_paths(tracing->emission, consumer->paths, light);
     const float *cdf = tracing->scene->light_cdf;
     double fraction = (double)cdf[light + 1] - (double)cdf[light];
     if (consumer->allocation && !consumer->allocation->by_power)
@@ -87,7 +87,8 @@ static bool start_path(const struct run *run, uint32_t light, uint64_t index,
     sample_sobol4((uint32_t)index, (uint32_t)rng_mix(key), u);
     const struct light_aim *aim = NULL;
     if (tracing->emission) {
-        factor = guide_emission_warp(tracing->emission, light, index, u);
+        factor =
+            guide_emission_warp(tracing->emission, tracing->consumer[0].paths, light, index, u);
         aim = guide_emission_aim(tracing->emission);
     }
     struct light_ray start;

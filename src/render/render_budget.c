@@ -54,6 +54,13 @@ enum {
     // seconds more.
     SEEN_PATHS = GUIDE_SEEN_PATHS_MAX,
     VISIBILITY_PATHS = 4096,
+    // Paths of the pilot of caustics from each light, and those from the eye that show where
+    // caustics are visible: of the latter a cell of the region has 16. With 2^18 instead of 2^16 of
+    // the former, caustics of a glass ball have the same variance at 1 s and 1.04 times that at 4
+    // s;
+    // with 2^14, those of a bathroom with five lights have 1.2 times that at 30 s.
+    EMISSION_PATHS = 1 << 16,
+    REGION_PATHS = 1 << 14,
     // The number of rays per bin of the visible environment grows with the option `photons`, which
     // grows with effort: by one per BIN_PER photons. With 1, 3, 4 and 8 rays, light samples leave a
     // variance of .0111, .0100, .0095 and .0088 in a room with windows, for .9, 1.9, 2.4 and 3.9 s
@@ -71,11 +78,11 @@ enum {
     LIGHT_RAYS = 32
 };
 // With a time limit of less than this many core seconds, the paths for the visibility of lights and
-// the cells of emission that can make caustics fall in proportion, down to MEASURED_LEAST of them.
-// At .5 core seconds (64x64) all of them left no time for photons in 68 of 143 random rooms. With a
-// quarter and a sixteenth of the paths, eight of such rooms and scenes had .32 and .20 times the
-// error of path tracing instead of 2.9 times; at 1 core second .14 and .15 instead of .36. With an
-// eighth of the cells too, four rooms had .06 times instead of .18. Fewer paths for clusters gain
+// for the pilot of caustics fall in proportion, down to MEASURED_LEAST of them. At .5 core seconds
+// (64x64) all of them left no time for photons in 68 of 143 random rooms. With a quarter and a
+// sixteenth of the paths, eight of such rooms and scenes had .32 and .20 times the error of path
+// tracing instead of 2.9 times; at 1 core second .14 and .15 instead of .36. With an eighth of the
+// pilot of caustics too, four rooms had .06 times instead of .18. Fewer paths for clusters gain
 // nothing there, and a room lit by a spot had 2.7 times the error with a quarter of them.
 static const double MEASURED_SECONDS = 4.0, MEASURED_LEAST = 1.0 / 16.0;
 // Fractions of the remaining time.
@@ -285,7 +292,8 @@ struct photon_paths render_budget_paths(const satin_options *o, double core_seco
         .clusters = cluster_paths(o, photons),
         .direct = photon_precomputes_direct(o) ? photons / DIRECT_DIVISOR : 0,
         .caustic = o->caustic_photons > 0 ? (uint64_t)o->caustic_photons : 0,
-        .caustic_cells = (int)(EMISSION_CELLS_MAX * measured_fraction(core_seconds)),
+        .emission = (int)(EMISSION_PATHS * measured_fraction(core_seconds)),
+        .region = (int)(REGION_PATHS * measured_fraction(core_seconds)),
     };
 }
 

@@ -20,6 +20,21 @@ static satin_status build_visibility(struct render *r) {
     return status;
 }
 
+// Finds where caustic paths start, for the request, unless it is known.
+static satin_status find_emission(struct render *r, struct photon_request *request) {
+    satin_status status = SATIN_OK;
+    if (!r->first_pass.emission) {
+        const double start = stats_wall();
+        parallel_begin_part(r->pool, "emission");
+        struct photon_request whole = *request;
+        whole.paths = render_budget_paths(&r->options, render_core_seconds(r));
+        status = photon_emission_build(&whole, r->pool, r->log, &r->first_pass.emission);
+        stats_add(&r->stats, "photons.emission_s", stats_wall() - start);
+    }
+    request->emission = r->first_pass.emission;
+    return status;
+}
+
 static void free_maps(struct render *r) {
     photon_maps_free(r->first_pass.maps);
     guide_visibility_free(r->first_pass.visibility);
@@ -36,10 +51,12 @@ static satin_status build_maps(struct render *r, double fraction, double global)
     if (!reads_photons(&o)) o.photons = 0;
     r->first_pass.made =
         r->first_pass.wanted ? (double)o.photons / (double)r->first_pass.wanted : 0.0;
-    const struct photon_request request = {&r->scene, &o,
-                                           render_budget_paths(&o, render_core_seconds(r))};
-    satin_status status =
-        photon_maps_build(&request, r->pool, r->log, &r->stats, &r->first_pass.maps);
+    struct photon_request request = {.scene = &r->scene,
+                                     .options = &o,
+                                     .paths = render_budget_paths(&o, render_core_seconds(r))};
+    satin_status status = find_emission(r, &request);
+    if (status == SATIN_OK)
+        status = photon_maps_build(&request, r->pool, r->log, &r->stats, &r->first_pass.maps);
     if (status == SATIN_OK && !r->first_pass.visibility) status = build_visibility(r);
     if (status != SATIN_OK)
         free_maps(r);
@@ -62,11 +79,13 @@ static double starved(const struct render *r, double fraction) {
 // Replaces the photon maps by new ones. The visibility of the lights is kept.
 static satin_status build_again(struct render *r, struct stats before,
                                 struct render_more_photons more) {
-    const double visibility_s = stats_get(&r->stats, "photons.visibility_s");
+    const double visibility_s = stats_get(&r->stats, "photons.visibility_s"),
+                 emission_s = stats_get(&r->stats, "photons.emission_s");
     photon_maps_free(r->first_pass.maps);
     r->first_pass.maps = NULL;
     r->stats = before;
     stats_set(&r->stats, "photons.visibility_s", visibility_s);
+    stats_set(&r->stats, "photons.emission_s", emission_s);
     return build_maps(r, more.fraction, more.global);
 }
 
@@ -93,11 +112,14 @@ static satin_status build_first(struct render *r, double fraction) {
 // Traces the photons from which the radii of all passes are found. If there is no time for them,
 // paths are traced instead.
 static satin_status begin_passes(struct render *r) {
-    const struct photon_request request = {
-        &r->scene, &r->options, render_budget_paths(&r->options, render_core_seconds(r))};
+    struct photon_request request = {
+        .scene = &r->scene,
+        .options = &r->options,
+        .paths = render_budget_paths(&r->options, render_core_seconds(r))};
     render_limit_photon_pilot(r);
-    const satin_status status =
-        photon_sppm_new(&request, r->pool, r->log, &r->stats, &r->first_pass.sppm);
+    satin_status status = find_emission(r, &request);
+    if (status == SATIN_OK)
+        status = photon_sppm_new(&request, r->pool, r->log, &r->stats, &r->first_pass.sppm);
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);
 }

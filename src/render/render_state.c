@@ -48,6 +48,7 @@ void render_free(struct render *r) {
     photon_sppm_free(r->first_pass.sppm);
     gather_direct_free(&r->first_pass.direct);
     guide_visibility_free(r->first_pass.visibility);
+    guide_emission_free(r->first_pass.emission);
     film_denoiser_free(r->denoiser);
     parallel_free(r->pool);
     free(r);

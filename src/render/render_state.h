@@ -72,6 +72,7 @@ struct render_first_pass {
     struct photon_sppm *sppm;             // of integrator sppm; it has no maps
     struct gather_direct direct;          // at the entries of the maps
     struct guide_visibility *visibility;  // of the lights; NULL: all lights are assumed visible
+    struct guide_emission *emission;      // where caustic paths start; NULL: there are none
 };
 
 // The second pass: final gathering, and its records.

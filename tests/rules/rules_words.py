@@ -126,7 +126,8 @@ IDENTIFIERS = {
         "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
     "Guide": ("guid(?:es?|ed|ing)", {
         r"(?:guide|GUIDE)_\w+": "src/(?:guide|gather|photon)/", "RNG_GUIDE": "src/(?:base|guide)/",
-        r"guide_(?:clusters|visibility)(?:_(?:build|bytes|free|most|samples))?|GUIDE_SEEN_PATHS_MAX"
+        r"guide_(?:clusters|emission|visibility)(?:_(?:build|bytes|free|most|samples))?"
+        "|GUIDE_SEEN_PATHS_MAX"
         : "include/satin/options|src/render/",
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
     "Curve": ("curves?", {

@@ -245,154 +245,6 @@ static void walls_do_not_leak(void **state) {
 
 // ---- Caustics ---------------------------------------------------------------------------------
 
-// A lamp of the given kind, three above the floor.
-static void add_lamp(struct test_scene *t, enum light_kind kind, uint32_t material) {
-    struct light lamp = {.kind = kind, .value = rgb_grey(10.0f)};
-    lamp.position = v3(0.2f, 0.3f, 3.0f);
-    lamp.direction = v3_unit(v3(0.1f, -0.2f, -1.0f));
-    lamp.cos_cutoff = cosf(0.5f);
-    lamp.cos_beam = cosf(0.3f);
-    if (kind == LIGHT_AREA) {
-        struct mat4 high = test_transform(v3(0.2f, 0.3f, 3.0f), v3(0.2f, 0.2f, 0.2f)),
-                    rotation = mat4_rotate(v3(1, 0, 0), 180.0f);
-        test_area_light(t, test_rectangle(t, mat4_mul(&high, &rotation), material),
-                        rgb_grey(10.0f));
-    } else {
-        test_light(t, lamp);
-    }
-}
-
-// A glass ball and a mirror over a floor, with a lamp of the given kind.
-static void caustic_scene(struct test_scene *t, enum light_kind kind) {
-    test_scene_init(t);
-    uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f), white = 0;
-    uint32_t glass = test_material(t, "dielectric", rgb_grey(0), rgb_grey(1));
-    uint32_t mirror = test_material(t, "conductor", rgb_grey(0), rgb_grey(0.9f));
-    t->material[mirror].front.base.eta = t->material[mirror].back.base.eta = rgb_grey(0.0f);
-    t->material[mirror].front.base.k = t->material[mirror].back.base.k = rgb_grey(1.0f);
-    test_rectangle(t, test_transform(v3(0, 0, 0), v3(3, 3, 1)), grey);
-    test_quadric(t, SHAPE_SPHERE, test_transform(v3(0.5f, 0, 0.6f), v3(0.4f, 0.4f, 0.4f)), false,
-                 glass);
-    struct mat4 stand = mat4_rotate(v3(0, 1, 0), 70.0f);
-    struct mat4 position = test_transform(v3(-1, 0, 0.5f), v3(0.3f, 0.3f, 0.3f));
-    test_rectangle(t, mat4_mul(&position, &stand), mirror);
-    add_lamp(t, kind, white);
-    test_scene_finish(t);
-}
-
-// A slight wedge of glass over a floor, both of the given half width, with a lamp over them: no
-// pane, but light leaves it almost in the direction in which it came.
-static void wedge_scene(struct test_scene *t, enum light_kind kind, float half) {
-    test_scene_init(t);
-    uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
-    uint32_t glass = test_material(t, "dielectric", rgb_grey(0), rgb_grey(1));
-    struct mat4 tilt = mat4_rotate(v3(1, 0, 0), 0.6f),
-                over = test_transform(v3(0, 0, 1.3f), v3(half, half, 1));
-    test_rectangle(t, test_transform(v3(0, 0, 0), v3(half, half, 1)), grey);
-    test_rectangle(t, test_transform(v3(0, 0, 1), v3(half, -half, -1)), glass);
-    test_rectangle(t, mat4_mul(&tilt, &over), glass);
-    add_lamp(t, kind, grey);
-    test_scene_finish(t);
-}
-
-// If seen is NULL, emission is not aimed.
-static struct photon_trace trace_caustics(const struct test_scene *t, const struct guide_seen *seen,
-                                          uint64_t paths) {
-    struct parallel *pool = pool_of(2);
-    struct guide_emission *emission = NULL;
-    struct photon_trace trace[PHOTON_CONSUMERS];
-    struct guide_emission_request input = {&t->scene, seen, 1, paths, EMISSION_CELLS_MAX};
-    if (seen)
-        assert_int_equal(guide_emission_build(&input, pool, (struct log){0}, &emission), SATIN_OK);
-    assert_true((emission != NULL) == (seen != NULL));
-    struct photon_tracing tracing = {.scene = &t->scene,
-                                     .seed = 1,
-                                     .consumer = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
-                                     .bounces = -1,
-                                     .emission = emission};
-    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
-    guide_emission_free(emission);
-    parallel_free(pool);
-    return trace[0];
-}
-
-static double flux(const struct photon_trace *trace, double *error) {
-    double sum = 0.0, squares = 0.0;
-    for (size_t i = 0; i < trace->count; i++) {
-        sum += trace->hit[i].power.g;
-        squares += (double)trace->hit[i].power.g * trace->hit[i].power.g;
-    }
-    *error = sqrt(squares);  // of a sum of independent photons; well distributed ones have less
-    return sum;
-}
-
-// Aimed emission finds the same flux as plain emission, with more photons of the same number of
-// paths.
-static void aimed_emission_is_unbiased(void **state) {
-    (void)state;
-    static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
-                                            LIGHT_CONSTANT};
-    const struct guide_seen none = {0};
-    for (int i = 0; i < 5; i++) {
-        struct test_scene t;
-        caustic_scene(&t, kinds[i]);
-        struct photon_trace plain = trace_caustics(&t, NULL, 200000),
-                            aimed = trace_caustics(&t, &none, 50000);
-        double plain_error, aimed_error, a = flux(&plain, &plain_error),
-                                         b = flux(&aimed, &aimed_error);
-        double error = sqrt(plain_error * plain_error + aimed_error * aimed_error);
-        if (!(fabs(a - b) < 4.0 * error) || aimed_error > plain_error)
-            printf("light %d: plain %g +- %g (%zu), aimed %g +- %g (%zu)\n", i, a, plain_error,
-                   plain.count, b, aimed_error, aimed.count);
-        assert_true(fabs(a - b) < 4.0 * error);
-        assert_true(aimed_error < plain_error);
-        photon_trace_free(&plain);
-        photon_trace_free(&aimed);
-        test_scene_free(&t);
-    }
-}
-
-static void sum_near(const struct photon_trace *trace, float half, double *flux, size_t *count) {
-    *flux = 0.0;
-    *count = 0;
-    for (size_t i = 0; i < trace->count; i++) {
-        vec3 p = trace->hit[i].p;
-        if (fabsf(p.x) > half || fabsf(p.y) > half) continue;
-        *flux += trace->hit[i].power.g;
-        *count += 1;
-    }
-}
-
-// Under a wedge 40 wide, the area that is seen is 1 wide: the same flux arrives there by more
-// photons of the same number of paths.
-static void large_wedges_are_aimed_through(void **state) {
-    (void)state;
-    static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
-                                            LIGHT_CONSTANT};
-    const struct guide_seen none = {0};
-    struct guide_seen seen = {.count = 1};
-    for (int k = 0; k < GUIDE_SEEN_BOXES; k++)
-        seen.box[k] = (struct light_target){v3(-0.5f, -0.5f, -0.1f), v3(0.5f, 0.5f, 0.1f)};
-    for (int i = 0; i < 5; i++) {
-        struct test_scene t;
-        wedge_scene(&t, kinds[i], 20.0f);
-        struct photon_trace plain = trace_caustics(&t, &none, 1000000),
-                            aimed = trace_caustics(&t, &seen, 40000);
-        double a, b;
-        size_t n, m;
-        sum_near(&plain, 0.4f, &a, &n);
-        sum_near(&aimed, 0.4f, &b, &m);
-        double error = a * sqrt(1.0 / (double)n + 1.0 / (double)m);
-        if (!(fabs(a - b) < 4.0 * error) || 25 * m < 2 * n)
-            printf("light %d: plain %g (%zu), aimed %g (%zu)\n", i, a, n, b, m);
-        assert_true(fabs(a - b) < 4.0 * error);
-        assert_true(25 * m > 2 * n);
-        photon_trace_free(&plain);
-        photon_trace_free(&aimed);
-        test_scene_free(&t);
-    }
-}
-
 static void without_glass_there_is_no_caustic_pass(void **state) {
     (void)state;
     struct test_scene t;
@@ -436,7 +288,7 @@ static void empty_maps_are_black(void **state) {
 static void threads_do_not_change_the_maps(void **state) {
     (void)state;
     struct test_scene t;
-    caustic_scene(&t, LIGHT_AREA);
+    photon_case_caustic(&t, LIGHT_AREA);
     satin_options o = options(20000, 20000);
     rgb known[2][3];
     for (int run = 0; run < 2; run++) {
@@ -487,8 +339,6 @@ int main(void) {
         cmocka_unit_test(a_furnace_is_uniform),
         cmocka_unit_test(the_sides_of_a_sheet_are_apart),
         cmocka_unit_test(walls_do_not_leak),
-        cmocka_unit_test(aimed_emission_is_unbiased),
-        cmocka_unit_test(large_wedges_are_aimed_through),
         cmocka_unit_test(without_glass_there_is_no_caustic_pass),
         cmocka_unit_test(empty_maps_are_black),
         cmocka_unit_test(threads_do_not_change_the_maps),

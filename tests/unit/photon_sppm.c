@@ -48,7 +48,8 @@ static struct sppm_result furnace_reflection(int max_depth, bool edge, int passe
     o.max_depth = max_depth;
     struct parallel *pool = parallel_new(2);
     struct stats stats = {0};
-    const struct photon_request request = {&t.scene, &o, render_budget_paths(&o, 0.0)};
+    const struct photon_request request = {
+        .scene = &t.scene, .options = &o, .paths = render_budget_paths(&o, 0.0)};
     struct photon_sppm *sppm;
     assert_int_equal(photon_sppm_new(&request, pool, (struct log){0}, &stats, &sppm), SATIN_OK);
     double sum[POINTS] = {0};

@@ -15,7 +15,7 @@
 #include "light/light.h"
 #include "load/load_build.h"
 
-enum { TEST_SHAPES = 32, TEST_MATERIALS = 8, TEST_LIGHTS = 32 };
+enum { TEST_SHAPES = 32, TEST_MATERIALS = 8, TEST_LIGHTS = 64 };
 
 struct test_scene {
     struct satin_scene scene;
