@@ -90,6 +90,12 @@ static void count_sample(struct emission_found *found, const struct guide_emissi
     found->squares += (double)sample->power * (double)sample->power;
 }
 
+static struct emission_found find_in(const struct guide_emission_sample *sample, size_t count) {
+    struct emission_found found = {0};
+    for (size_t i = 0; i < count; i++) count_sample(&found, &sample[i]);
+    return found;
+}
+
 // The density of paths with the least variance for the time of tracing and storing, n paths of
 // which take n (1 + STORING p): the root of the mean square over that of this time. A box gets one
 // seen path more than was found, since where none was found there may be some.
@@ -140,8 +146,7 @@ static bool add_cell(struct guide_emission *emission, const struct emission_cell
 // most. `square` is the mean squared power of photons of the light that are seen.
 static bool divide(struct guide_emission *emission, struct emission_cell box,
                    struct guide_emission_sample *sample, size_t count, double square) {
-    struct emission_found found = {0};
-    for (size_t i = 0; i < count; i++) count_sample(&found, &sample[i]);
+    const struct emission_found found = find_in(sample, count);
     box.density = (float)density_of(found, square);
     int best = 0;
     double least = INFINITY;
@@ -165,8 +170,7 @@ static bool divide(struct guide_emission *emission, struct emission_cell box,
 static bool divide_light(struct guide_emission *emission, struct guide_emission_sample *sample,
                          size_t count) {
     const struct emission_cell all = {.hi = {1.0f, 1.0f, 1.0f, 1.0f}, .volume = 1.0f};
-    struct emission_found found = {0};
-    for (size_t i = 0; i < count; i++) count_sample(&found, &sample[i]);
+    const struct emission_found found = find_in(sample, count);
     const double square = found.seen ? found.squares / (double)found.seen : 0.0;
     return divide(emission, all, sample, count, square);
 }

@@ -235,16 +235,3 @@ bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int pa
     out->environment = !met;
     return true;
 }
-
-bool light_makes_caustic(const struct satin_scene *scene, struct ray ray) {
-    struct pane_path path = pane_path_begin(scene, PANES_MAX, ray.d);
-    struct interaction s;
-    vec3 d = ray.d;
-    while (scene_intersect(scene, &ray, &s)) {
-        const struct material *material = &scene->material[s.material];
-        if (!(scene_material_lobes(material, s.light >= 0) & BRDF_DELTA)) break;
-        if (!pass_surface(&path, &s, &d)) return true;
-        ray = scene_spawn(scene, path.p, path.ng, d);
-    }
-    return path.chain.crossed > 0 && !is_parallel(path.chain.d, d);
-}

@@ -59,9 +59,6 @@ struct light_found {
 bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int panes,
                 struct light_found *out);
 
-// Whether a ray of light hits a specular surface other than a pane, which makes it a caustic.
-bool light_makes_caustic(const struct satin_scene *scene, struct ray ray);
-
 // Whether some shape may be a pane. light_prepare stores it in scene->panes.
 bool light_has_panes(const struct satin_scene *scene);
 

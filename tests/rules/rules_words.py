@@ -125,7 +125,7 @@ IDENTIFIERS = {
         "load_image_levels": "src/load/load_(?:build|image_levels|plugins_texture)",
         "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
     "Guide": ("guid(?:es?|ed|ing)", {
-        r"(?:guide|GUIDE)_\w+": "src/(?:guide|gather|photon)/", "RNG_GUIDE": "src/(?:base|guide)/",
+        r"(?:guide|GUIDE)_\w+": "src/(?:guide|gather|photon)/",
         r"guide_(?:clusters|emission|visibility)(?:_(?:build|bytes|free|most|samples))?"
         "|GUIDE_SEEN_PATHS_MAX"
         : "include/satin/options|src/render/",
