@@ -102,7 +102,9 @@ class Reader final : public flann::serialization::OutputArchive<Reader> {
         if (in_tree()) {
             limit_[limits_++] = value;
         } else {
-            (bounds_ % 2 ? tree_.high : tree_.low)[bounds_ / 2] = value;
+            // By a pointer: gcc 12 takes a wrong index into (a ? b : c)[i] with -fsanitize=bounds.
+            float *limit = bounds_ % 2 ? tree_.high : tree_.low;
+            limit[bounds_ / 2] = value;
             bounds_++;
         }
     }
