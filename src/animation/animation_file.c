@@ -25,7 +25,7 @@ struct path_keys {
 };
 
 struct path_reader {
-    struct animation_reader reader;
+    struct toml_reader reader;
     struct path_keys keys;
     struct animation_path *out;
 };
@@ -40,11 +40,11 @@ static bool take_fov(struct path_reader *r, const struct toml_node *table, size_
     const struct path_keys *keys = &r->keys;
     keys->fov[i] = 0.0;
     if (i > 0 && (keys->fov[0] > 0.0) != (node != NULL))
-        return animation_wrong(&r->reader, node ? node : table,
-                               "all of them need the key 'fov', or none");
+        return toml_wrong(&r->reader, node ? node : table,
+                          "all of them need the key 'fov', or none");
     if (!node) return true;
     if (node->kind != TOML_NUMBER || !(node->number >= FOV_MIN && node->number < 180.0))
-        return animation_wrong(&r->reader, node, "it must be an angle in [1e-05, 180) degrees");
+        return toml_wrong(&r->reader, node, "it must be an angle in [1e-05, 180) degrees");
     keys->fov[i] = node->number;
     return true;
 }
@@ -92,13 +92,13 @@ static bool take_keyframe(struct path_reader *r, const struct toml_node *table, 
     const struct path_keys *keys = &r->keys;
     const struct toml_node *frame = toml_find(table, "frame");
     if (!animation_check_keys(&r->reader, table, known)) return false;
-    if (!frame) return animation_wrong(&r->reader, table, "the keyframe needs the key 'frame'");
+    if (!frame) return toml_wrong(&r->reader, table, "the keyframe needs the key 'frame'");
     if (!animation_take_frame(&r->reader, frame, &keys->at[i])) return false;
     if (i > 0 && !(keys->at[i] > keys->at[i - 1]))
-        return animation_wrong(&r->reader, frame, "frame %.0f does not come after frame %.0f",
-                               keys->at[i], keys->at[i - 1]);
+        return toml_wrong(&r->reader, frame, "frame %.0f does not come after frame %.0f",
+                          keys->at[i], keys->at[i - 1]);
     if (keys->at[i] - keys->at[0] >= FRAMES_MAX)
-        return animation_wrong(&r->reader, frame, "a path has at most %d frames", FRAMES_MAX);
+        return toml_wrong(&r->reader, frame, "a path has at most %d frames", FRAMES_MAX);
     return take_key(r, table, i);
 }
 
@@ -155,10 +155,9 @@ static bool take_first(struct path_reader *r, const struct toml_node *root) {
 static bool check_tables(struct path_reader *r, const struct toml_node *list) {
     bool tables = list->kind == TOML_ARRAY && list->count > 0;
     for (size_t i = 0; tables && i < list->count; i++) tables = list->child[i].kind == TOML_TABLE;
-    if (!tables)
-        return animation_wrong(&r->reader, list, "it must be written as [[%s]]", list->key);
+    if (!tables) return toml_wrong(&r->reader, list, "it must be written as [[%s]]", list->key);
     return list->count <= FRAMES_MAX ||
-           animation_wrong(&r->reader, list, "a path has at most %d frames", FRAMES_MAX);
+           toml_wrong(&r->reader, list, "a path has at most %d frames", FRAMES_MAX);
 }
 
 // Takes the keyframes, or the frames of a list.
@@ -180,16 +179,16 @@ static bool take_path(struct path_reader *r, const struct toml_node *root) {
                            *first = toml_find(root, "first"), *object = toml_find(root, "object");
     if (!animation_check_keys(&r->reader, root, known)) return false;
     if (!keyframe + !frame + !sensors != 2)
-        return animation_wrong(
-            &r->reader, root, "a camera path has either [[keyframe]], [[frame]] or sensors = true");
+        return toml_wrong(&r->reader, root,
+                          "a camera path has either [[keyframe]], [[frame]] or sensors = true");
     if (keyframe && first)
-        return animation_wrong(&r->reader, first, "the keyframes have the numbers of the frames");
+        return toml_wrong(&r->reader, first, "the keyframes have the numbers of the frames");
     if (!take_first(r, root)) return false;
     if (object && !animation_take_objects(&r->reader, object, r->out)) return false;
     if (!sensors) return take_list(r, keyframe ? keyframe : frame, keyframe != NULL);
     r->out->sensors = true;
     return (sensors->kind == TOML_FLAG && strcmp(sensors->text, "on") == 0) ||
-           animation_wrong(&r->reader, sensors, "it must be true");
+           toml_wrong(&r->reader, sensors, "it must be true");
 }
 
 satin_status animation_read(struct log log, const char *file, struct animation_path *out) {

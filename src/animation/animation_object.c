@@ -11,20 +11,20 @@ enum { OBJECTS_MAX = 1000, KEYFRAMES_MAX = 100000 };
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-static bool take_object_key(struct animation_reader *r, const struct toml_node *table,
+static bool take_object_key(struct toml_reader *r, const struct toml_node *table,
                             struct animation_object *o, size_t i) {
     static const char *const known[] = {"frame", "translate", "angle", "scale", "intensity", NULL};
     static const double nowhere[3] = {0.0, 0.0, 0.0};
     const struct toml_node *frame = toml_find(table, "frame");
     if (!animation_check_keys(r, table, known)) return false;
-    if (!frame) return animation_wrong(r, table, "the keyframe needs the key 'frame'");
+    if (!frame) return toml_wrong(r, table, "the keyframe needs the key 'frame'");
     if (!animation_take_frame(r, frame, &o->at[i])) return false;
     if (i > 0 && !(o->at[i] > o->at[i - 1]))
-        return animation_wrong(r, frame, "frame %.0f does not come after frame %.0f", o->at[i],
-                               o->at[i - 1]);
+        return toml_wrong(r, frame, "frame %.0f does not come after frame %.0f", o->at[i],
+                          o->at[i - 1]);
     const struct toml_node *angle = toml_find(table, "angle");
     if (angle && o->axis[0] == 0.0 && o->axis[1] == 0.0 && o->axis[2] == 0.0)
-        return animation_wrong(r, angle, "the object needs an axis for it, as in axis = [0, 1, 0]");
+        return toml_wrong(r, angle, "the object needs an axis for it, as in axis = [0, 1, 0]");
     return animation_take_vector(r, table, "translate", nowhere, o->translate[i]) &&
            animation_take_value(r, table, "angle", 0.0, true, &o->angle[i]) &&
            animation_take_value(r, table, "scale", 1.0, false, &o->scale[i]) &&
@@ -43,28 +43,27 @@ static bool allocate_object_keys(struct animation_object *o, size_t count) {
 }
 
 // A list of tables [[key]] of a bounded number, checked.
-static bool check_list(struct animation_reader *r, const struct toml_node *list, const char *name,
+static bool check_list(struct toml_reader *r, const struct toml_node *list, const char *name,
                        size_t most) {
     bool tables = list->kind == TOML_ARRAY && list->count > 0;
     for (size_t i = 0; tables && i < list->count; i++) tables = list->child[i].kind == TOML_TABLE;
-    if (!tables) return animation_wrong(r, list, "it must be written as [[%s]]", name);
-    return list->count <= most ||
-           animation_wrong(r, list, "there can be %zu of them at most", most);
+    if (!tables) return toml_wrong(r, list, "it must be written as [[%s]]", name);
+    return list->count <= most || toml_wrong(r, list, "there can be %zu of them at most", most);
 }
 
-static bool take_id(struct animation_reader *r, const struct toml_node *table,
+static bool take_id(struct toml_reader *r, const struct toml_node *table,
                     const struct animation_path *path, char **out) {
     const struct toml_node *id = toml_find(table, "id");
-    if (!id) return animation_wrong(r, table, "the object needs the key 'id'");
-    if (id->kind != TOML_TEXT) return animation_wrong(r, id, "it must be a text");
+    if (!id) return toml_wrong(r, table, "the object needs the key 'id'");
+    if (id->kind != TOML_TEXT) return toml_wrong(r, id, "it must be a text");
     for (size_t i = 0; i < path->object_count; i++)
         if (strcmp(path->object[i].id, id->text) == 0)
-            return animation_wrong(r, id, "there is another object '%s'", id->text);
+            return toml_wrong(r, id, "there is another object '%s'", id->text);
     *out = strdup(id->text);
     return *out || animation_no_memory(r);
 }
 
-static bool take_object(struct animation_reader *r, const struct toml_node *table,
+static bool take_object(struct toml_reader *r, const struct toml_node *table,
                         struct animation_path *path) {
     static const char *const known[] = {"id", "pivot", "axis", "keyframe", NULL};
     static const double zero[3] = {0.0, 0.0, 0.0};
@@ -75,7 +74,7 @@ static bool take_object(struct animation_reader *r, const struct toml_node *tabl
     if (!animation_take_vector(r, table, "pivot", zero, o->pivot) ||
         !animation_take_vector(r, table, "axis", zero, o->axis))
         return false;
-    if (!keys) return animation_wrong(r, table, "the object needs an [[object.keyframe]]");
+    if (!keys) return toml_wrong(r, table, "the object needs an [[object.keyframe]]");
     if (!check_list(r, keys, "object.keyframe", KEYFRAMES_MAX)) return false;
     if (!allocate_object_keys(o, keys->count)) return animation_no_memory(r);
     for (size_t i = 0; i < keys->count; i++)
@@ -84,7 +83,7 @@ static bool take_object(struct animation_reader *r, const struct toml_node *tabl
     return true;
 }
 
-bool animation_take_objects(struct animation_reader *r, const struct toml_node *list,
+bool animation_take_objects(struct toml_reader *r, const struct toml_node *list,
                             struct animation_path *out) {
     if (!check_list(r, list, "object", OBJECTS_MAX)) return false;
     out->object = array_new(list->count, sizeof *out->object);

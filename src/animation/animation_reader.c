@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of the files of animations, and errors in them, which name the file, the line and the key.
+// Values of the files of animations.
 #include "animation/animation_reader.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 
 #include "base/text.h"
 
@@ -15,70 +13,53 @@ static const double COORDINATE_MAX = 1e18;
 // of float.
 static const double VALUE_MAX = 1e9;
 
-bool animation_wrong(struct animation_reader *r, const struct toml_node *node, const char *format,
-                     ...) {
-    char text[256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    log_error_at(r->log, node->at, "%s%s%s", node->key ? node->key : "", node->key ? ": " : "",
-                 text);
-    r->status = SATIN_ERROR_INPUT;
-    return false;
-}
-
-bool animation_no_memory(struct animation_reader *r) {
+bool animation_no_memory(struct toml_reader *r) {
     r->status = log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for the camera path");
     return false;
 }
 
-bool animation_check_keys(struct animation_reader *r, const struct toml_node *table,
+bool animation_check_keys(struct toml_reader *r, const struct toml_node *table,
                           const char *const *known) {
     const char *meant;
     const struct toml_node *unknown = toml_find_unknown(table, known, &meant);
-    if (!unknown) return true;
-    if (meant) return animation_wrong(r, unknown, "unknown key (did you mean '%s'?)", meant);
-    return animation_wrong(r, unknown, "unknown key");
+    return !unknown || toml_unknown_key(r, unknown, meant);
 }
 
-bool animation_take_frame(struct animation_reader *r, const struct toml_node *node, double *out) {
-    if (node->kind != TOML_NUMBER) return animation_wrong(r, node, "it must be a number");
+bool animation_take_frame(struct toml_reader *r, const struct toml_node *node, double *out) {
+    if (node->kind != TOML_NUMBER) return toml_wrong(r, node, "it must be a number");
     if (!(node->number >= 0.0 && node->number <= NUMBER_MAX) || node->number != floor(node->number))
-        return animation_wrong(r, node, "%s is not a whole number in 0..%d", node->text,
-                               NUMBER_MAX);
+        return toml_wrong(r, node, "%s is not a whole number in 0..%d", node->text, NUMBER_MAX);
     *out = node->number;
     return true;
 }
 
-bool animation_take_vector(struct animation_reader *r, const struct toml_node *table,
-                           const char *key, const double *otherwise, double out[3]) {
+bool animation_take_vector(struct toml_reader *r, const struct toml_node *table, const char *key,
+                           const double *otherwise, double out[3]) {
     const struct toml_node *node = toml_find(table, key);
-    if (!node && !otherwise) return animation_wrong(r, table, "it needs the key '%s'", key);
+    if (!node && !otherwise) return toml_wrong(r, table, "it needs the key '%s'", key);
     for (int k = 0; k < 3 && !node; k++) out[k] = otherwise[k];
     if (!node) return true;
     if (node->kind != TOML_ARRAY || node->count != 3)
-        return animation_wrong(r, node, "it must be three numbers, as in [0, 1, 0]");
+        return toml_wrong(r, node, "it must be three numbers, as in [0, 1, 0]");
     for (size_t k = 0; k < 3; k++) {
         const struct toml_node *number = &node->child[k];
-        if (number->kind != TOML_NUMBER) return animation_wrong(r, number, "it must be a number");
+        if (number->kind != TOML_NUMBER) return toml_wrong(r, number, "it must be a number");
         if (!(fabs(number->number) <= COORDINATE_MAX))
-            return animation_wrong(r, number, "%s is too large", number->text);
+            return toml_wrong(r, number, "%s is too large", number->text);
         out[k] = number->number;
     }
     return true;
 }
 
-bool animation_take_value(struct animation_reader *r, const struct toml_node *table,
-                          const char *key, double otherwise, bool negative, double *out) {
+bool animation_take_value(struct toml_reader *r, const struct toml_node *table, const char *key,
+                          double otherwise, bool negative, double *out) {
     const struct toml_node *node = toml_find(table, key);
     *out = otherwise;
     if (!node) return true;
-    if (node->kind != TOML_NUMBER) return animation_wrong(r, node, "it must be a number");
-    if (!negative && node->number < 0.0)
-        return animation_wrong(r, node, "%s is negative", node->text);
+    if (node->kind != TOML_NUMBER) return toml_wrong(r, node, "it must be a number");
+    if (!negative && node->number < 0.0) return toml_wrong(r, node, "%s is negative", node->text);
     if (!(fabs(node->number) <= VALUE_MAX))
-        return animation_wrong(r, node, "%s is too large", node->text);
+        return toml_wrong(r, node, "%s is too large", node->text);
     *out = node->number;
     return true;
 }

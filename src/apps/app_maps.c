@@ -23,7 +23,7 @@ static const struct map {
     const char *channel, *file, *meaning;
 } maps[] = {
     {record_position, "records.png", "where records are"},
-    {"density.Y", "count.png", "records interpolated per sample"},
+    {"density.Y", "density.png", "records interpolated per sample"},
     {"records.weight", "weight.png", "sum of their weights"},
     {"records.a", "a.png", "their accuracy a"},
     {"records.rays", "rays.png", "gather rays of a record"},

@@ -2,10 +2,9 @@
 // Messages to the caller's log function.
 #include "base/log.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 
-enum { LOG_BYTES = 1024 };
+enum { LOG_BYTES = 1024, KEY_BYTES = 128 };  // of a message, and of the key in it
 
 static void send_message(struct log log, satin_log_severity severity, char *text) {
     for (unsigned char *c = (unsigned char *)text; *c; c++)
@@ -29,7 +28,7 @@ void log_message(struct log log, satin_log_severity severity, const char *format
 }
 
 static void log_at(struct log log, satin_log_severity severity, struct log_place place,
-                   const char *format, va_list args) {
+                   const char *key, const char *format, va_list args) {
     char text[LOG_BYTES];
     int n = 0;
     const char *file = place.file ? place.file : "input";
@@ -41,6 +40,7 @@ static void log_at(struct log log, satin_log_severity severity, struct log_place
         n = snprintf(text, sizeof text, "%s: ", file);
     if (n < 0) n = 0;
     if (n > LOG_BYTES / 2) n = LOG_BYTES / 2;
+    if (key) n += snprintf(text + n, KEY_BYTES, "%.*s: ", KEY_BYTES - 3, key);
     vsnprintf(text + n, sizeof text - (size_t)n, format, args);
     send_message(log, severity, text);
 }
@@ -49,15 +49,20 @@ void log_error_at(struct log log, struct log_place place, const char *format, ..
     if (!log.fn) return;
     va_list args;
     va_start(args, format);
-    log_at(log, SATIN_LOG_ERROR, place, format, args);
+    log_at(log, SATIN_LOG_ERROR, place, NULL, format, args);
     va_end(args);
+}
+
+void log_error_at_args(struct log log, struct log_place place, const char *key, const char *format,
+                       va_list args) {
+    if (log.fn) log_at(log, SATIN_LOG_ERROR, place, key, format, args);
 }
 
 void log_warning_at(struct log log, struct log_place place, const char *format, ...) {
     if (!log.fn) return;
     va_list args;
     va_start(args, format);
-    log_at(log, SATIN_LOG_WARNING, place, format, args);
+    log_at(log, SATIN_LOG_WARNING, place, NULL, format, args);
     va_end(args);
 }
 

@@ -4,6 +4,8 @@
 #ifndef BASE_LOG_H
 #define BASE_LOG_H
 
+#include <stdarg.h>
+
 #include "satin/types.h"
 
 struct log {
@@ -25,6 +27,11 @@ void log_message(struct log log, satin_log_severity severity, const char *format
 // unknown.
 void log_error_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+// Does what log_error_at does, for functions that take the arguments of a message themselves. `key`
+// stands before the message, as `key: `; NULL: nothing does.
+void log_error_at_args(struct log log, struct log_place place, const char *key, const char *format,
+                       va_list args) __attribute__((format(printf, 4, 0)));
 
 // Does what log_error_at does, at SATIN_LOG_WARNING.
 void log_warning_at(struct log log, struct log_place place, const char *format, ...)

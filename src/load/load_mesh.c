@@ -3,17 +3,13 @@
 // normals and the winding of triangles. Conventions are Mitsuba 3's.
 #include "load/load_mesh.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 satin_status load_mesh_error(const struct load_source *source, int line, const char *format, ...) {
-    char text[512];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    log_error_at_args(source->log, (struct log_place){source->path, line, 0}, NULL, format, args);
     va_end(args);
-    log_error_at(source->log, (struct log_place){source->path, line, 0}, "%s", text);
     return SATIN_ERROR_INPUT;
 }
 

@@ -85,9 +85,9 @@ static bool take_value(struct study_reader *r, const struct toml_node *axis,
 }
 
 static bool take_axis(struct study_reader *r, const struct toml_node *node, struct axes *out) {
-    if (out->count == AXES_MAX) return study_wrong(r, node, "more than %d axes", AXES_MAX);
+    if (out->count == AXES_MAX) return toml_wrong(&r->toml, node, "more than %d axes", AXES_MAX);
     if (!study_is(r, node, TOML_ARRAY, "a list of values")) return false;
-    if (node->count == 0) return study_wrong(r, node, "it has no values");
+    if (node->count == 0) return toml_wrong(&r->toml, node, "it has no values");
     struct study_axis *axis = &out->axis[out->count++];
     const bool together = node->child[0].kind == TOML_TABLE;
     *axis = (struct study_axis){.count = node->count};
@@ -96,14 +96,14 @@ static bool take_axis(struct study_reader *r, const struct toml_node *node, stru
     for (size_t i = 0; i < node->count; i++) {
         const struct toml_node *value = &node->child[i];
         if ((value->kind == TOML_TABLE) != together)
-            return study_wrong(r, node, "its values must all be tables of options, or none");
+            return toml_wrong(&r->toml, node, "its values must all be tables of options, or none");
         if (!take_value(r, node, value, &axis->value[i])) return false;
     }
     axis->column = column_of(r, node->key, !together);
     if (axis->column == SIZE_MAX) return false;
     struct study_column *column = &r->out->column[axis->column];
     if (column->is_option == together)
-        return study_wrong(r, node, "elsewhere it has %s", together ? "values" : "tables");
+        return toml_wrong(&r->toml, node, "elsewhere it has %s", together ? "values" : "tables");
     column->value = axis->value;
     column->values = axis->count;
     return true;
@@ -115,8 +115,8 @@ static struct study_point *append_point(struct study_reader *r, struct log_place
                                         size_t settings) {
     struct study *s = r->out;
     if (s->points == STUDY_RENDERS_MAX) {
-        log_error_at(r->log, at, "the study has more than %d points", STUDY_RENDERS_MAX);
-        r->status = SATIN_ERROR_INPUT;
+        log_error_at(r->toml.log, at, "the study has more than %d points", STUDY_RENDERS_MAX);
+        r->toml.status = SATIN_ERROR_INPUT;
         return NULL;
     }
     if (s->points == s->point_capacity) {
@@ -151,8 +151,8 @@ static bool add_product(struct study_reader *r, const struct axes *axes, struct 
             if (axes->axis[a].value[i].set.count > most) most = axes->axis[a].value[i].set.count;
         settings += most;
         if (total > STUDY_RENDERS_MAX) {
-            log_error_at(r->log, at, "the study has more than %d points", STUDY_RENDERS_MAX);
-            r->status = SATIN_ERROR_INPUT;
+            log_error_at(r->toml.log, at, "the study has more than %d points", STUDY_RENDERS_MAX);
+            r->toml.status = SATIN_ERROR_INPUT;
             return false;
         }
     }
@@ -177,7 +177,8 @@ static bool take_table(struct study_reader *r, const struct toml_node *table) {
     if (!study_is(r, table, TOML_TABLE, "a table of options with lists of values")) return false;
     for (size_t i = 0; i < table->count; i++)
         if (!take_axis(r, &table->child[i], &axes)) return false;
-    if (r->out->columns > AXES_MAX) return study_wrong(r, table, "more than %d axes", AXES_MAX);
+    if (r->out->columns > AXES_MAX)
+        return toml_wrong(&r->toml, table, "more than %d axes", AXES_MAX);
     return add_product(r, &axes, table->at);
 }
 
@@ -194,7 +195,7 @@ static bool take_point_name(struct study_reader *r, const struct toml_node *node
     if (!study_is(r, node, TOML_TEXT, "a text")) return false;
     for (const struct study_point *p = r->out->point; p < point; p++)
         if (p->name && strcmp(p->name, node->text) == 0)
-            return study_wrong(r, node, "two points are called '%s'", node->text);
+            return toml_wrong(&r->toml, node, "two points are called '%s'", node->text);
     point->name = node->text;
     return true;
 }
@@ -215,7 +216,8 @@ bool study_take_points(struct study_reader *r, const struct toml_node *node) {
             if (!study_take_option(r, child, true, &point->set)) return false;
             const size_t column = column_of(r, child->key, true);
             if (column == SIZE_MAX) return false;
-            if (column >= AXES_MAX) return study_wrong(r, child, "more than %d axes", AXES_MAX);
+            if (column >= AXES_MAX)
+                return toml_wrong(&r->toml, child, "more than %d axes", AXES_MAX);
             point->cell[column] = child->text;
         }
     }
@@ -241,7 +243,7 @@ static bool multiply_points(struct study_reader *r, const struct toml_node *node
                             const char *name) {
     struct study *s = r->out;
     if (is_set_anywhere(s, "time") || is_set_anywhere(s, "spp"))
-        return study_wrong(r, node, "with it, neither time nor spp may be set or vary");
+        return toml_wrong(&r->toml, node, "with it, neither time nor spp may be set or vary");
     struct toml_node one = *node, list = {.kind = TOML_ARRAY, .child = &one, .count = 1};
     if (node->kind == TOML_ARRAY) list = *node;
     one.key = NULL;
@@ -275,12 +277,13 @@ bool study_finish_points(struct study_reader *r, const struct toml_node *root) {
     const struct toml_node *time = toml_find(root, "equal-time");
     struct study *s = r->out;
     if (samples && time)
-        return study_wrong(r, time, "equal-samples and equal-time exclude each other");
+        return toml_wrong(&r->toml, time, "equal-samples and equal-time exclude each other");
     if (s->points == 0 && !append_point(r, root->at, 0)) return false;
     if (samples && !multiply_points(r, samples, "spp")) return false;
     if (time && !multiply_points(r, time, "time")) return false;
     const size_t renders = s->points * s->scenes * s->seeds;
     if (renders > STUDY_RENDERS_MAX)
-        return study_wrong(r, root, "%zu renders; the limit is %d", renders, STUDY_RENDERS_MAX);
+        return toml_wrong(&r->toml, root, "%zu renders; the limit is %d", renders,
+                          STUDY_RENDERS_MAX);
     return true;
 }

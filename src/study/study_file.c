@@ -4,7 +4,6 @@
 #include "study/study_file.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,30 +19,20 @@ enum { PIECES_DEFAULT = 8, SEEDS_DEFAULT = 4 };
 
 // ---- Errors -------------------------------------------------------------------------------------
 
-bool study_wrong(struct study_reader *r, const struct toml_node *node, const char *format, ...) {
-    char text[512];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    if (node->key)
-        log_error_at(r->log, node->at, "%s: %s", node->key, text);
-    else
-        log_error_at(r->log, node->at, "%s", text);
-    if (r->status == SATIN_OK) r->status = SATIN_ERROR_INPUT;
-    return false;
+static void fail_without_memory(struct toml_reader *r) {
+    if (r->status == SATIN_OK)
+        r->status = log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for the study");
 }
 
 void *study_array(struct study_reader *r, size_t count, size_t size) {
     void *made = arena_array(&r->out->arena, count, size);
-    if (!made && r->status == SATIN_OK)
-        r->status = log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for the study");
+    if (!made) fail_without_memory(&r->toml);
     return made;
 }
 
 bool study_is(struct study_reader *r, const struct toml_node *node, enum toml_kind kind,
               const char *expected) {
-    return node->kind == kind || study_wrong(r, node, "it must be %s", expected);
+    return node->kind == kind || toml_wrong(&r->toml, node, "it must be %s", expected);
 }
 
 bool study_keys_known(struct study_reader *r, const struct toml_node *table,
@@ -54,10 +43,9 @@ bool study_keys_known(struct study_reader *r, const struct toml_node *table,
     satin_option_info info;
     for (int k = 0; satin_options_describe(&satin_options_default, k, &info); k++)
         if (text_same_name(info.name, unknown->key))
-            return study_wrong(r, unknown,
-                               "unknown key; options of renders stand in [set] or [vary]");
-    if (meant) return study_wrong(r, unknown, "unknown key (did you mean '%s'?)", meant);
-    return study_wrong(r, unknown, "unknown key");
+            return toml_wrong(&r->toml, unknown,
+                              "unknown key; options of renders stand in [set] or [vary]");
+    return toml_unknown_key(&r->toml, unknown, meant);
 }
 
 // ---- Options ------------------------------------------------------------------------------------
@@ -69,7 +57,7 @@ struct option_error {
 
 static void log_option_error(void *user, satin_log_severity severity, const char *message) {
     struct option_error *error = user;
-    if (severity == SATIN_LOG_ERROR) study_wrong(error->reader, error->node, "%s", message);
+    if (severity == SATIN_LOG_ERROR) toml_wrong(&error->reader->toml, error->node, "%s", message);
 }
 
 // Whether an option may be set where it stands.
@@ -78,13 +66,14 @@ static bool is_allowed(struct study_reader *r, const struct toml_node *node, boo
                                         "hide-emitters", "crop-x",      "crop-y",
                                         "crop-width",    "crop-height", NULL};
     if (text_same_name(node->key, "seed"))
-        return study_wrong(r, node, "the key 'seeds' of the study chooses the seeds");
+        return toml_wrong(&r->toml, node, "the key 'seeds' of the study chooses the seeds");
     if (text_same_name(node->key, "layers"))
-        return study_wrong(r, node, "a study compares the whole light, and needs its own layers");
+        return toml_wrong(&r->toml, node,
+                          "a study compares the whole light, and needs its own layers");
     if (varies && text_is_one_of(node->key, truth))
-        return study_wrong(r, node,
-                           "it cannot vary, because it changes the true image and a scene has one "
-                           "reference; it may stand in [set]");
+        return toml_wrong(&r->toml, node,
+                          "it cannot vary, because it changes the true image and a scene has one "
+                          "reference; it may stand in [set]");
     return true;
 }
 
@@ -93,7 +82,7 @@ bool study_take_option(struct study_reader *r, const struct toml_node *node, boo
     satin_options scratch = satin_options_default;
     struct option_error error = {r, node};
     if (!is_allowed(r, node, varies)) return false;
-    if (!node->text) return study_wrong(r, node, "it must be one value");
+    if (!node->text) return toml_wrong(&r->toml, node, "it must be one value");
     if (satin_options_set(&scratch, node->key, node->text, log_option_error, &error) != SATIN_OK)
         return false;
     out->setting[out->count++] = (satin_setting){node->key, node->text};
@@ -116,8 +105,7 @@ static const char *path_beside(struct study_reader *r, const struct toml_node *n
     char *path = fileio_beside(node->at.file, node->text);
     char *copy = path ? arena_text(&r->out->arena, path, strlen(path)) : NULL;
     free(path);
-    if (!copy && r->status == SATIN_OK)
-        r->status = log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for the study");
+    if (!copy) fail_without_memory(&r->toml);
     return copy;
 }
 
@@ -142,7 +130,7 @@ static bool take_defines(struct study_reader *r, const struct toml_node *table,
     if (!out->define || !out->define_at) return false;
     for (size_t i = 0; i < table->count; i++) {
         const struct toml_node *child = &table->child[i];
-        if (!child->text) return study_wrong(r, child, "it must be one value");
+        if (!child->text) return toml_wrong(&r->toml, child, "it must be one value");
         const bool flag = child->kind == TOML_FLAG;
         const char *value = !flag ? child->text : child->text[1] == 'n' ? "true" : "false";
         out->define_at[out->defines] = child->at;
@@ -166,14 +154,15 @@ static bool add_scene(struct study_reader *r, const struct toml_node *file, cons
     if (!scene->path) return false;
     scene->name = name ? name : name_of_scene(r, scene->path);
     if (!is_file_name(scene->name))
-        return study_wrong(r, file,
-                           "a scene's name has 1 to %d bytes, does not begin with a dot, and has "
-                           "no slash and no line end",
-                           NAME_BYTES_MAX);
+        return toml_wrong(&r->toml, file,
+                          "a scene's name has 1 to %d bytes, does not begin with a dot, and has "
+                          "no slash and no line end",
+                          NAME_BYTES_MAX);
     for (size_t i = 0; i < s->scenes; i++)
         if (strcmp(s->scene[i].name, scene->name) == 0)
-            return study_wrong(r, file, "two scenes are called '%s'; give them names in [[scene]]",
-                               scene->name);
+            return toml_wrong(&r->toml, file,
+                              "two scenes are called '%s'; give them names in [[scene]]",
+                              scene->name);
     s->scenes++;
     return true;
 }
@@ -185,7 +174,7 @@ static bool add_scene_table(struct study_reader *r, const struct toml_node *tabl
     const struct toml_node *file = toml_find(table, "file"), *name = toml_find(table, "name");
     const struct toml_node *reference = toml_find(table, "reference");
     const struct toml_node *define = toml_find(table, "define");
-    if (!file) return study_wrong(r, table, "the scene needs a key 'file'");
+    if (!file) return toml_wrong(&r->toml, table, "the scene needs a key 'file'");
     if (name && !study_is(r, name, TOML_TEXT, "a text")) return false;
     if (!add_scene(r, file, name ? name->text : NULL)) return false;
     struct study_scene *scene = &r->out->scene[r->out->scenes - 1];
@@ -203,7 +192,8 @@ static bool take_scenes(struct study_reader *r) {
     if (list && !study_is(r, list, TOML_ARRAY, "a list of files")) return false;
     if (table && !study_is(r, table, TOML_ARRAY, "written as [[scene]]")) return false;
     const size_t count = (list ? list->count : 0) + (table ? table->count : 0);
-    if (count == 0) return study_wrong(r, list ? list : root, "the study needs scenes = [\"...\"]");
+    if (count == 0)
+        return toml_wrong(&r->toml, list ? list : root, "the study needs scenes = [\"...\"]");
     r->out->scene = study_array(r, count, sizeof *r->out->scene);
     if (!r->out->scene) return false;
     for (size_t i = 0; list && i < list->count; i++)
@@ -220,8 +210,8 @@ static bool take_count(struct study_reader *r, const struct toml_node *node, dou
                        double most, uint64_t *out) {
     if (!study_is(r, node, TOML_NUMBER, "a number")) return false;
     if (!(node->number >= least && node->number <= most) || node->number != floor(node->number))
-        return study_wrong(r, node, "%s is not a whole number in %.0f..%.0f", node->text, least,
-                           most);
+        return toml_wrong(&r->toml, node, "%s is not a whole number in %.0f..%.0f", node->text,
+                          least, most);
     *out = (uint64_t)node->number;
     return true;
 }
@@ -234,7 +224,7 @@ static bool take_seeds(struct study_reader *r, const struct toml_node *node) {
     if (list) count = node->count;
     if (node && !list && !take_count(r, node, 1, SEEDS_MAX, &count)) return false;
     if (count < 1 || count > SEEDS_MAX)
-        return study_wrong(r, node, "it must have 1 to %d seeds", SEEDS_MAX);
+        return toml_wrong(&r->toml, node, "it must have 1 to %d seeds", SEEDS_MAX);
     s->seed = study_array(r, count, sizeof *s->seed);
     if (!s->seed) return false;
     for (; s->seeds < count; s->seeds++) {
@@ -243,8 +233,8 @@ static bool take_seeds(struct study_reader *r, const struct toml_node *node) {
         if (list && !take_count(r, &node->child[s->seeds], 0, 9e15, seed)) return false;
         for (size_t i = 0; i < s->seeds; i++)
             if (s->seed[i] == *seed)
-                return study_wrong(r, node, "the seed %llu is there twice",
-                                   (unsigned long long)*seed);
+                return toml_wrong(&r->toml, node, "the seed %llu is there twice",
+                                  (unsigned long long)*seed);
     }
     return true;
 }
@@ -260,23 +250,23 @@ static bool take_reference(struct study_reader *r, const struct toml_node *table
     struct study *s = r->out;
     if (!table && all_have_references(s)) return true;
     if (!table)
-        return study_wrong(r, s->root,
-                           "the study needs a reference: reference.spp = 1024, or a reference in "
-                           "every [[scene]]");
+        return toml_wrong(&r->toml, s->root,
+                          "the study needs a reference: reference.spp = 1024, or a reference in "
+                          "every [[scene]]");
     if (!study_is(r, table, TOML_TABLE, "a table with spp") || !study_keys_known(r, table, known))
         return false;
     const struct toml_node *spp = toml_find(table, "spp"), *pieces = toml_find(table, "pieces");
     const struct toml_node *set = toml_find(table, "set");
     uint64_t count = PIECES_DEFAULT;
-    if (!spp) return study_wrong(r, table, "it needs the key 'spp'");
+    if (!spp) return toml_wrong(&r->toml, table, "it needs the key 'spp'");
     if (!take_count(r, spp, 2, 1e9, &s->reference_spp)) return false;
     if (pieces && !take_count(r, pieces, 2, PIECES_MAX, &count)) return false;
     if (count > s->reference_spp) count = s->reference_spp;
     s->reference_pieces = count;
     for (size_t i = 0; set && i < set->count; i++)
         if (set->child[i].key && text_same_name(set->child[i].key, "spp"))
-            return study_wrong(r, &set->child[i],
-                               "the key 'spp' of the reference has its number of samples");
+            return toml_wrong(&r->toml, &set->child[i],
+                              "the key 'spp' of the reference has its number of samples");
     return !set || study_take_options(r, set, true, &s->reference);
 }
 
@@ -326,15 +316,15 @@ satin_status study_file_read(struct log log, const char *path, struct study *out
     char *text = NULL;
     size_t size = 0;
     *out = (struct study){.mask_emission = true, .first_pass_view = true};
-    struct study_reader r = {log, out, SATIN_OK};
-    r.status = fileio_read(log, (struct log_place){0}, path, FILE_BYTES_MAX, &text, &size);
-    if (r.status == SATIN_OK) {
+    struct study_reader r = {.toml = {.log = log}, .out = out};
+    r.toml.status = fileio_read(log, (struct log_place){0}, path, FILE_BYTES_MAX, &text, &size);
+    if (r.toml.status == SATIN_OK) {
         out->hash = fileio_hash(FILEIO_HASH, text, size);
-        r.status = toml_parse(log, path, text, size, &out->root);
+        r.toml.status = toml_parse(log, path, text, size, &out->root);
     }
     free(text);
-    if (r.status == SATIN_OK) take_all(&r);
-    return r.status;
+    if (r.toml.status == SATIN_OK) take_all(&r);
+    return r.toml.status;
 }
 
 void study_file_free(struct study *study) {

@@ -94,14 +94,10 @@ void study_file_free(struct study *study);
 // ---- Reading (study_axes.c reads what varies) ---------------------------------------------------
 
 struct study_reader {
-    struct log log;
+    struct toml_reader toml;
     struct study *out;
-    satin_status status;  // of the first error
 };
 
-// Logs `file:line:column: KEY: ...` and returns false.
-bool study_wrong(struct study_reader *r, const struct toml_node *node, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
 // The array of `count` zeroed elements from the arena, or NULL with the status set.
 void *study_array(struct study_reader *r, size_t count, size_t size);
 // Whether a node is of that kind; if not, `expected` is logged.

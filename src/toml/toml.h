@@ -37,4 +37,17 @@ const struct toml_node *toml_find(const struct toml_node *table, const char *key
 const struct toml_node *toml_find_unknown(const struct toml_node *table, const char *const *known,
                                           const char **meant);
 
+// ---- Errors in what a file says (toml_reader.c) -------------------------------------------------
+
+struct toml_reader {
+    struct log log;
+    satin_status status;  // of the first error
+};
+
+// Logs `file:line:column: KEY: ...`, without the key if the node has none, and returns false.
+bool toml_wrong(struct toml_reader *r, const struct toml_node *node, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+// Logs what toml_find_unknown has found, and returns false.
+bool toml_unknown_key(struct toml_reader *r, const struct toml_node *unknown, const char *meant);
+
 #endif
