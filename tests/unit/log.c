@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages begin with the line that they are about, are one line themselves, and are not lost behind
-// what stands before them.
+// Messages begin with the line that they are about, are one line themselves, and are not lost
+// behind what stands before them.
 #include "base/log.h"
 
 #include <setjmp.h>
