@@ -27,6 +27,12 @@ enum {
     VERTICES = DIFFUSE_MAX + SATIN_RECURSIVE_BOUNCES_MAX + 1
 };
 
+// Light that ideal specular surfaces send to glossy lobes is from caustic photons, except in
+// directions that the lobe draws with a larger density [sr^-1], as few photons come from there. A
+// small lamp behind curved glass is hardly ever met by following a wide lobe: with 3, single rays
+// are most of some records (docs/experiments.md).
+static const float GLOSSY_PDF_MOST = 100.0f;
+
 // Lobes that are followed by a segment separate from that of the diffuse lobe.
 static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 
@@ -138,6 +144,21 @@ static rgb caustic_irradiance(const struct path *path, const struct path_vertex 
     return photon_caustic_irradiance(v->g->maps, v->g->scene, v->y->interaction.p, v->y->ng, other);
 }
 
+// Light that ideal specular surfaces throw on the vertex and its glossy lobes of this albedo
+// reflect, but for the directions in which these are sharp: by caustic photons.
+static rgb glossy_caustic(const struct path *path, const struct path_vertex *v,
+                          struct path_branch branch, rgb albedo) {
+    struct sampler apart = path->sampler;
+    apart.dimension += 33;  // beyond that of caustic_irradiance
+    const float u = sampler_1d(&apart) / branch.probability;
+    if (!(u < 1.0f)) return rgb_grey(0.0f);
+    const struct photon_other_light other = {rgb_luminance(v->L) / fmaxf(rgb_max(albedo), 1e-6f),
+                                             u};
+    return rgb_scale(
+        photon_caustic(v->g->maps, v->g->scene, v->y, branch.lobes, GLOSSY_PDF_MOST, other),
+        1.0f / branch.probability);
+}
+
 // Adds the light that is known at a vertex, and decides by which lobes the path continues.
 static void add_vertex_light(struct path *path, struct path_vertex *v,
                              struct gather_estimate estimate) {
@@ -177,7 +198,7 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
 
     const bool caustics = within_depth(g, v->segments, 2);
     if (known && caustics)
-        v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, y, known, PHOTON_ALONE));
+        v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, y, known, INFINITY, PHOTON_ALONE));
     if (diffuse && !estimate.reliable) E = caustics ? caustic_irradiance(path, v) : rgb_grey(0.0f);
     if (diffuse)
         v->L = rgb_add(v->L, diffuse_radiance(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE), E));
@@ -185,6 +206,8 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
         v->L = rgb_add(v->L, diffuse_radiance(albedo, estimate.E));
         by_glossy.lobes = 0;
     }
+    if (by_glossy.lobes && caustics)
+        v->L = rgb_add(v->L, glossy_caustic(path, v, by_glossy, albedo));
     v->branch[0] = by_diffuse;
     v->branch[1] = by_glossy;
 }
@@ -219,9 +242,16 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
                                     gather_direct_known(g, entry), 1};
 }
 
+// Whether caustic photons at y have the light that specular surfaces send from the direction wi,
+// which was drawn from `lobes`.
+static bool has_caustic_photons(const struct shading_point *y, unsigned lobes, vec3 wi) {
+    if (lobes == BRDF_DIFFUSE) return true;
+    return y->wo_l.z * wi.z > 0.0f && !brdf_is_sharp(&y->brdf, y->wo_l, wi, GLOSSY_PDF_MOST);
+}
+
 // Follows a branch from v by one segment. True if it ends at a surface, which becomes the vertex
 // after v. Emitted light on the way is weighted against the light samples of v. After specular
-// surfaces it counts only for glossy lobes, as the diffuse lobe has caustic photons.
+// surfaces it counts only where the caustic photons of v leave it out.
 static bool follow_branch(struct path *path, struct path_vertex *v, struct path_branch branch) {
     struct path_vertex *z = v + 1;
     struct brdf_sample next;
@@ -240,7 +270,8 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     if (segment.light_pdf > 0.0f)
         z->Le = rgb_scale(rgb_mul(weight, segment.Le),
                           mis_power(branch.ratio * next.pdf_w, segment.light_pdf));
-    if (branch.lobes != BRDF_DIFFUSE) z->Le = rgb_fma(z->Le, weight, segment.Le_specular);
+    if (!has_caustic_photons(v->y, branch.lobes, next.wi))
+        z->Le = rgb_fma(z->Le, weight, segment.Le_specular);
     if (!found || !within_depth(v->g, v->segments + 1, 1)) {
         v->L = rgb_add(v->L, z->Le);
         return false;

@@ -131,9 +131,11 @@ struct photon_other_light {
     float L, u;
 };
 #define PHOTON_ALONE ((struct photon_other_light){0.0f, 0.0f})
-// The radiance of caustic photons that the smooth `lobes` of a point reflect to its viewer.
+// The radiance of caustic photons that the smooth `lobes` of a point reflect to its viewer. The
+// glossy lobe is left out in directions that it draws with a density over pdf_most [sr^-1];
+// INFINITY: in none.
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
-                   const struct shading_point *point, unsigned lobes,
+                   const struct shading_point *point, unsigned lobes, float pdf_most,
                    struct photon_other_light other);
 
 // The irradiance from caustic photons, from the caustic map.

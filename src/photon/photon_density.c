@@ -294,7 +294,7 @@ static struct photon_query caustic_query(const struct photon_maps *maps,
 }
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
-                   const struct shading_point *point, unsigned lobes,
+                   const struct shading_point *point, unsigned lobes, float pdf_most,
                    struct photon_other_light other) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
     const struct brdf *brdf = &point->brdf;
@@ -310,7 +310,8 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other);
     if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_query query = caustic_query(maps, scene, p, ng);
-    const struct photon_reflection at = photon_reflection_make(&point->frame, brdf, wo, lobes);
+    struct photon_reflection at = photon_reflection_make(&point->frame, brdf, wo, lobes);
+    at.pdf_most = pdf_most;
     const rgb L = rgb_scale(estimate(&query, &at, &radius, &estimated), 1.0f / chance);
     if (source != READ_ENTRY) return L;
     return rgb_make(L.r * smoothing_factor(E.r, estimated.r),

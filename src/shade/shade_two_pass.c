@@ -251,5 +251,5 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
     const struct photon_other_light other = {added_luminance(lighting) - before, u_caustic};
     if (caustic)
         shade_add_uncached(lighting, SHADE_CAUSTIC,
-                           photon_caustic(g->maps, g->scene, p, caustic, other));
+                           photon_caustic(g->maps, g->scene, p, caustic, INFINITY, other));
 }

@@ -62,10 +62,10 @@ struct photon_fixture {
 };
 
 // The scene and max_depth must be set.
-static void trace_photons(struct photon_fixture *f, int64_t photons) {
+static void trace_photons(struct photon_fixture *f, int64_t photons, int64_t caustic) {
     struct stats stats = {0};
     f->options.photons = photons;
-    f->options.caustic_photons = 0;
+    f->options.caustic_photons = caustic;
     f->pool = parallel_new(1);
     assert_int_equal(photon_case_build(&f->t.scene, &f->options, f->pool, &stats, &f->maps),
                      SATIN_OK);
@@ -149,7 +149,7 @@ static void photons_are_within_the_longest_path(void **state) {
     struct photon_fixture f = {.options = satin_options_default};
     lit_sphere(&f.t, ALBEDO);
     f.options.max_depth = DEPTH;
-    trace_photons(&f, 100000);
+    trace_photons(&f, 100000, 0);
     struct sampler sampler = {0, 5, 0};
     const struct shading_point y = gather_bounces_sphere_point(&f.g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
@@ -177,7 +177,7 @@ static void gaps_are_left_before_photons_are_read(void **state) {
     test_scene_finish(&f.t);
     f.options.max_depth = -1;
     f.options.rr_depth = 5;
-    trace_photons(&f, 4000);
+    trace_photons(&f, 4000, 0);
     struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     struct gather_ray *ray_of = calloc(RAYS, sizeof *ray_of);
     assert_true(scratch && ray_of);
@@ -275,6 +275,53 @@ static void direct_light_counts_once(void **state) {
     }
 }
 
+// Light of a lamp in the middle of a glass ball is met by caustic photons, or by the glossy lobe in
+// directions in which it is sharp. Together they find what path tracing finds, by a wide lobe and
+// by one of which a part is sharp.
+static void light_through_glass_counts_once(void **state) {
+    (void)state;
+    enum { PATHS = 1 << 17, POINTS = 64 };
+    const float exponent[] = {30.0f, 1000.0f};
+    for (int k = 0; k < 2; k++) {
+        struct photon_fixture f = {.options = satin_options_default};
+        test_scene_init(&f.t);
+        const uint32_t floor = test_material(&f.t, "phong", rgb_grey(.02f), rgb_grey(.4f));
+        f.t.material[floor].front.base.exponent = exponent[k];
+        const uint32_t glass = test_material(&f.t, "dielectric", rgb_grey(0), rgb_grey(1));
+        test_quadric(&f.t, SHAPE_DISK, mat4_identity(), false, floor);
+        const vec3 lamp = v3(.5f, 0, 1);
+        test_quadric(&f.t, SHAPE_SPHERE, test_transform(lamp, v3(.3f, .3f, .3f)), false, glass);
+        test_area_light(&f.t,
+                        test_quadric(&f.t, SHAPE_SPHERE, test_transform(lamp, v3(.15f, .15f, .15f)),
+                                     false, glass),
+                        rgb_grey(1.0f));
+        test_scene_finish(&f.t);
+        f.options.max_depth = -1;
+        trace_photons(&f, 0, 400000);
+        const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
+        double found = 0.0, expected = 0.0;
+        for (uint32_t i = 0; i < POINTS; i++) {
+            // Around the mirror direction of the middle of the lamp.
+            const vec2 u = sample_sobol2(i, 3);
+            const vec3 eye = v3(-.5f, 0, 1);
+            const vec3 p = v3(.2f * u.x - .1f, .2f * u.y - .1f, 0);
+            const struct ray ray = {eye, 0.0f, v3_unit(v3_sub(p, eye)), INFINITY};
+            struct sampler sampler = {i, 5, 0};
+            struct gather_first first;
+            struct shading_point y;
+            assert_true(gather_follow(&f.g, ray, &sampler, &first, &y));
+            found += average_paths(&f.g, &y, none, PATHS / POINTS).mean / POINTS;
+            for (uint32_t j = 0; j < PATHS / POINTS; j++) {
+                struct sampler path = {i * PATHS + j, 11, 0};
+                expected += (double)gather_path(&f.g, ray, &path, &first).g / PATHS;
+            }
+        }
+        print_message("%.5f of %.5f\n", found, expected);
+        assert_true(fabs(found / expected - 1.0) < 0.03);
+        free_photons(&f);
+    }
+}
+
 // Each light sample finds one of many lights of different power, so several have less variance.
 static void more_light_samples_are_less_noisy(void **state) {
     (void)state;
@@ -315,7 +362,7 @@ static void bright_hits_take_more_light_samples(void **state) {
                                         .position = v3(7.5f, 0.2f * (float)i - 0.7f, 0.5f),
                                         .value = rgb_grey(1.0f)});
     test_scene_finish(&f.t);
-    trace_photons(&f, 4000);
+    trace_photons(&f, 4000, 0);
     struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     assert_non_null(scratch);
     struct gather_ray rays[RAYS];
@@ -346,6 +393,7 @@ int main(void) {
         cmocka_unit_test(bounces_end_with_the_longest_path),
         cmocka_unit_test(photons_are_within_the_longest_path),
         cmocka_unit_test(direct_light_counts_once),
+        cmocka_unit_test(light_through_glass_counts_once),
         cmocka_unit_test(more_light_samples_are_less_noisy),
         cmocka_unit_test(bright_hits_take_more_light_samples),
         cmocka_unit_test(gaps_are_left_before_photons_are_read),

@@ -64,8 +64,9 @@ static void photon_density_integrate(const struct test_scene *t, const struct ph
         power[0] += area * (double)photon_caustic_irradiance(maps, &t->scene, p, up, other[1]).g;
         const struct shading_point at = photon_case_point(p, &frame, white, up);
         for (int k = 0; k < 2; k++)
-            power[k + 1] += area * M_PI *
-                            (double)photon_caustic(maps, &t->scene, &at, BRDF_DIFFUSE, other[k]).g;
+            power[k + 1] +=
+                area * M_PI *
+                (double)photon_caustic(maps, &t->scene, &at, BRDF_DIFFUSE, INFINITY, other[k]).g;
     }
 }
 

@@ -279,7 +279,8 @@ static void empty_maps_are_black(void **state) {
     radius = 1.0f;
     assert_true(rgb_black(photon_radiance(maps, &t.scene, &at, BRDF_SMOOTH, &radius)));
     assert_true(isinf(radius));
-    assert_true(rgb_black(photon_caustic(maps, &t.scene, &at, BRDF_SMOOTH, PHOTON_ALONE)));
+    assert_true(
+        rgb_black(photon_caustic(maps, &t.scene, &at, BRDF_SMOOTH, INFINITY, PHOTON_ALONE)));
     photon_maps_free(maps);
     test_scene_free(&t);
 }
@@ -303,7 +304,7 @@ static void threads_do_not_change_the_maps(void **state) {
         float r;
         known[run][0] = photon_irradiance_at(maps, &t.scene, p, n, &r, NULL);
         known[run][1] = photon_radiance(maps, &t.scene, &at, BRDF_SMOOTH, &r);
-        known[run][2] = photon_caustic(maps, &t.scene, &at, BRDF_SMOOTH, PHOTON_ALONE);
+        known[run][2] = photon_caustic(maps, &t.scene, &at, BRDF_SMOOTH, INFINITY, PHOTON_ALONE);
         photon_maps_free(maps);
         parallel_free(pool);
     }
