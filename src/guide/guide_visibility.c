@@ -8,6 +8,7 @@
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "base/sampling.h"
@@ -116,6 +117,8 @@ static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
 // A cell traces rays through the open bins. They are as many as if a certain number of bins had all
 // rays.
 static void trace_cell(struct learning *l, size_t i, struct rng *rng) {
+    memset(&l->square[learned_at(i, 0)], 0, LIGHT_HISTOGRAM_BINS * sizeof *l->square);
+    memset(&l->traced[learned_at(i, 0)], 0, LIGHT_HISTOGRAM_BINS * sizeof *l->traced);
     int bins = 0;
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) bins += l->open[bin];
     const float all = (float)l->samples.open_bins / (float)bins;
@@ -244,8 +247,9 @@ static void trace_cell_bins(void *ctx, size_t begin, size_t end, int worker) {
 static satin_status learn_sky(struct learning *l, struct parallel *pool) {
     const size_t all = (l->cells + l->ranges) * LIGHT_HISTOGRAM_BINS;
     satin_status status = SATIN_ERROR_MEMORY;
-    l->square = array_new(all, sizeof *l->square);
-    l->traced = array_new(all, sizeof *l->traced);
+    // The loops that trace rays set all of both.
+    l->square = array_new_unset(all, sizeof *l->square);
+    l->traced = array_new_unset(all, sizeof *l->traced);
     l->open = array_new(LIGHT_HISTOGRAM_BINS, sizeof *l->open);
     if (l->square && l->traced && l->open) {
         const size_t first = l->cells * LIGHT_HISTOGRAM_BINS;
