@@ -261,11 +261,15 @@ static inline vec3 photon_entry_position(const struct photon_positions *position
     return v3(q[0], q[1], q[2]);
 }
 // Sets a row of the search index, or a query.
-void photon_entry_row_set(float row[6], vec3 p, vec3 n, float scale);
+static inline void photon_entry_row_set(float row[6], vec3 p, vec3 n, float scale) {
+    row[0] = p.x;
+    row[1] = p.y;
+    row[2] = p.z;
+    row[3] = scale * n.x;
+    row[4] = scale * n.y;
+    row[5] = scale * n.z;
+}
 void photon_entry_position_set(struct photon_positions *positions, size_t i, vec3 p, vec3 n);
-// Whether a wall separates position i from p, a point on a surface with normal n.
-bool photon_entry_position_hidden(const struct photon_positions *positions,
-                                  const struct satin_scene *scene, size_t i, vec3 p, vec3 n);
 
 // Irradiance that was precomputed at the positions of photons, the entries.
 struct photon_irradiance {
@@ -309,6 +313,11 @@ void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
 // As photon_irradiance_area.
 float photon_irradiance_entry_area(const struct photon_irradiance *irradiance, size_t entry);
+
+// ---- Lookups of entries (photon_lookup.c) -------------------------------------------------------
+
+// Light that ends is 0 beyond this times the squared distance at which it begins to fade.
+#define PHOTON_ENDS 9.0f
 // The entry that is read at p on the side of n, or -1.
 int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, vec3 n);
 // Whether the entry's position is visible from p, along a ray a little above the surface.
@@ -318,6 +327,9 @@ bool photon_irradiance_visible(const struct photon_irradiance *irradiance,
 bool photon_irradiance_sparse(const struct photon_irradiance *irradiance, int entry);
 // The irradiance at p by an entry; black for entry -1.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
+// Whether a wall separates position i from p, a point on a surface with normal n.
+bool photon_entry_position_hidden(const struct photon_positions *positions,
+                                  const struct satin_scene *scene, size_t i, vec3 p, vec3 n);
 
 // ---- Direct light at entries (photon_direct.c) --------------------------------------------------
 

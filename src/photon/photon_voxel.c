@@ -15,6 +15,7 @@
 
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "base/rng.h"
@@ -24,11 +25,12 @@ enum {
     COORDINATE_BITS = 17,  // of a voxel's coordinate along an axis
     SCALES = PHOTON_VOXEL_SCALES,
     SCALE_BITS = 5,
-    NORMAL_BITS = 4,    // of a direction's coordinate along an axis of the octahedral map
-    NORMAL_MOST = 14,   // largest such coordinate: an even number, so axes are centres
-    SLOTS = 8,          // per entry: with 4 up to 2.1 times the searches, with 16 .5 to 1 times
-    SLOTS_TRIED = 4,    // slots in which a voxel may be
-    REGIONS_MOST = 128  // along an axis
+    NORMAL_BITS = 4,       // of a direction's coordinate along an axis of the octahedral map
+    NORMAL_MOST = 14,      // largest such coordinate: an even number, so axes are centres
+    SLOTS = 8,             // per entry: with 4 up to 2.1 times the searches, with 16 .5 to 1 times
+    SLOTS_TRIED = 4,       // slots in which a voxel may be
+    REGIONS_MOST = 128,    // along an axis
+    SLOTS_CHUNK = 1 << 14  // slots that a thread clears at a time
 };
 
 // Width of voxels over the spacing of entries. With .5 there are twice as many searches.
@@ -129,20 +131,28 @@ static bool set_scales(const struct photon_irradiance *r, struct photon_voxels *
     return memory;
 }
 
+static void clear_slots(void *ctx, size_t begin, size_t end, int worker) {
+    struct photon_voxels *v = ctx;
+    (void)worker;
+    memset(v->slot + begin, 0, (end - begin) * sizeof *v->slot);
+}
+
 // Makes the hash table, without entries. False if there is no memory.
-static bool make_slots(const struct photon_irradiance *r, struct photon_voxels *v) {
+static bool make_slots(const struct photon_irradiance *r, struct parallel *pool,
+                       struct photon_voxels *v) {
     unsigned bits = 10;
     while ((size_t)1 << bits < SLOTS * r->count) bits++;
     v->shift = 64 - bits;
     v->slots = ((size_t)1 << bits) + SLOTS_TRIED;
-    v->slot = array_new(v->slots, sizeof *v->slot);
+    v->slot = array_new_unset(v->slots, sizeof *v->slot);
+    if (v->slot) parallel_for_all(pool, v->slots, SLOTS_CHUNK, clear_slots, v);
     return v->slot;
 }
 
-bool photon_voxels_build(struct photon_irradiance *irradiance) {
+bool photon_voxels_build(struct photon_irradiance *irradiance, struct parallel *pool) {
     struct photon_voxels v = {0};
     if (!set_regions(irradiance, &v)) return true;
-    if (set_scales(irradiance, &v) && make_slots(irradiance, &v)) {
+    if (set_scales(irradiance, &v) && make_slots(irradiance, pool, &v)) {
         irradiance->voxels = v;
         return true;
     }

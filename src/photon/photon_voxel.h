@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/parallel.h"
 #include "base/vec.h"
 
 struct photon_irradiance;
@@ -30,7 +31,7 @@ struct photon_voxels {
 
 // Makes the voxels of irradiance whose index is built; none if all entries are at one point. False
 // if there is no memory.
-bool photon_voxels_build(struct photon_irradiance *irradiance);
+bool photon_voxels_build(struct photon_irradiance *irradiance, struct parallel *pool);
 void photon_voxels_free(struct photon_voxels *voxels);
 size_t photon_voxels_bytes(const struct photon_voxels *voxels);
 // Finds the entries of the voxels that hold `count` points, at most PHOTON_VOXEL_LOOKUPS, with

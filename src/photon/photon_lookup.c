@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lookups of precomputed irradiance: which entry a point reads, and what of its light. An entry
+// that faces away from the point or is hidden from it by a wall is replaced by another one near it,
+// and light fades where no entry is as near as photons lie.
+#include "photon/photon_map.h"
+
+enum {
+    IRRADIANCE_BATCH = PHOTON_VOXEL_LOOKUPS,  // lookups that are searched together
+    RETRY_K = 16,   // neighbours that are searched if the nearest one has another orientation
+    RETRY_ENDS = 4  // number of those in caustics, where entries are mostly on other surfaces then
+};
+#define FACING 0.5f
+
+static bool has_orientation(const struct photon_irradiance *r, int row, vec3 n) {
+    const float *m = r->position.row + 6 * (size_t)row + 3;
+    return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
+}
+
+// Makes the ray from p to the position, a little above the surface. False if they are equal.
+static bool ray_to_position(vec3 position, const struct satin_scene *scene, vec3 p, vec3 n,
+                            struct ray *out) {
+    vec3 d = v3_sub(position, p);
+    float distance = v3_len(d);
+    if (!(distance > 0.0f)) return false;
+    *out = scene_spawn(scene, p, n, n);
+    out->o = v3_mad(out->o, SCENE_LIFT * distance, n);
+    out->d = v3_mul(d, 1.0f / distance);
+    out->tfar = distance;
+    return true;
+}
+
+bool photon_irradiance_visible(const struct photon_irradiance *r, const struct satin_scene *scene,
+                               int entry, vec3 p, vec3 n) {
+    const vec3 position = photon_entry_position(&r->position, (size_t)entry);
+    struct ray ray;
+    return !(ray_to_position(position, scene, p, n, &ray) && scene_occluded(scene, &ray));
+}
+
+// Makes the ray from p to position i. False if nothing can be between them.
+static bool ray_to_entry(const struct photon_positions *positions, const struct satin_scene *scene,
+                         size_t i, vec3 p, vec3 n, struct ray *out) {
+    const vec3 position = photon_entry_position(positions, i);
+    const float clear = positions->clear[i];
+    return v3_dist2(position, p) > clear * clear && ray_to_position(position, scene, p, n, out);
+}
+
+bool photon_entry_position_hidden(const struct photon_positions *positions,
+                                  const struct satin_scene *scene, size_t i, vec3 p, vec3 n) {
+    struct ray ray;
+    return ray_to_entry(positions, scene, i, p, n, &ray) && scene_occluded(scene, &ray);
+}
+
+bool photon_irradiance_sparse(const struct photon_irradiance *r, int entry) {
+    return r->ends && r->radius[entry] >= r->radius_max;
+}
+
+// Whether p is far from the row, in comparison with the spacing of photons there.
+static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
+    const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
+    if (photon_irradiance_sparse(r, row)) return d2 >= sqrf(r->radius_max);
+    const float fade2 = r->fade2 * sqrf(r->radius[row]);
+    return fade2 > 0.0f && d2 > PHOTON_ENDS * fade2;
+}
+
+// The nearest of a few entries that has the orientation of n and is not behind a wall; -1 if there
+// is none. If `scene` is NULL, walls are ignored. Nearer ones are tested first, so that few rays
+// are traced.
+static int search_facing(const struct photon_irradiance *r, vec3 p, vec3 n,
+                         const struct satin_scene *scene) {
+    float query[6];
+    photon_entry_row_set(query, p, n, r->position.scale);
+    int row[RETRY_K];
+    float distance2[RETRY_K];
+    const int k = r->ends ? RETRY_ENDS : RETRY_K;
+    photon_index_nearest(r->index, query, 1, k, r->far2, row, distance2);
+    for (int i = 0; i < k; i++)
+        if (row[i] >= 0 && !has_orientation(r, row[i], n)) row[i] = -1;
+    for (;;) {
+        int best = -1;
+        for (int i = 0; i < k; i++)
+            if (row[i] >= 0 && (best < 0 || distance2[i] < distance2[best])) best = i;
+        if (best < 0) return -1;
+        if (!scene || !photon_entry_position_hidden(&r->position, scene, (size_t)row[best], p, n))
+            return row[best];
+        row[best] = -1;
+    }
+}
+
+// Finds the entries near `count` points, at most IRRADIANCE_BATCH: those of their voxels or, for
+// light that ends, the nearest ones; -1: there is none.
+static void look_up_entries(const struct photon_irradiance *r, const vec3 *p, const vec3 *n,
+                            size_t count, int *entry) {
+    if (r->voxels.scale) {
+        photon_voxel_find(r, p, n, count, entry);
+        return;
+    }
+    float query[6 * IRRADIANCE_BATCH], distance2[IRRADIANCE_BATCH];
+    for (size_t i = 0; i < count; i++) {
+        entry[i] = -1;
+        photon_entry_row_set(query + 6 * i, p[i], n[i], r->position.scale);
+    }
+    if (r->count > 0) photon_index_nearest(r->index, query, count, 1, r->far2, entry, distance2);
+}
+
+int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
+    int row;
+    look_up_entries(r, &p, &n, 1, &row);
+    if (row >= 0 && r->ends && is_far(r, row, p)) return -1;
+    return row >= 0 && !has_orientation(r, row, n) ? search_facing(r, p, n, NULL) : row;
+}
+
+rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
+    if (entry < 0) return rgb_grey(0.0f);
+    float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)entry)),
+          radius = r->radius[entry];
+    float fade2 = r->fade2 * radius * radius;
+    if (d2 <= fade2) return r->E[entry];
+    const float far = d2 / fade2,
+                left = r->ends ? fmaxf(PHOTON_ENDS - far, 0.0f) / (PHOTON_ENDS - 1.0f) : 1.0f;
+    return rgb_scale(r->E[entry], left / far);
+}
+
+// Whether light arrives at p: p is as near to the row as the photons around it are.
+static bool is_before_fade(const struct photon_irradiance *r, int row, vec3 p) {
+    const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
+    return d2 <= r->fade2 * sqrf(r->radius[row]);
+}
+
+// The fraction of an entry's light, by colour, whose photons may bounce once more for each of the
+// segments.
+static rgb fraction_within(const struct photon_irradiance *r, int row, int segments) {
+    rgb fraction = rgb_grey(1.0f);
+    if (!r->last || row < 0) return fraction;
+    const rgb E = r->E[row], last = r->last[row];
+    for (int i = 0; i < segments; i++)
+        fraction = rgb_make(E.r > 0.0f ? fraction.r * fmaxf(1.0f - last.r / E.r, 0.0f) : 0.0f,
+                            E.g > 0.0f ? fraction.g * fmaxf(1.0f - last.g / E.g, 0.0f) : 0.0f,
+                            E.b > 0.0f ? fraction.b * fmaxf(1.0f - last.b / E.b, 0.0f) : 0.0f);
+    return fraction;
+}
+
+// Lookups before the one of an entry that its data is fetched: these take as long as memory does.
+enum { AHEAD = 8 };
+
+static void prefetch_entry(const struct photon_irradiance *r, int row) {
+    if (row < 0) return;
+    __builtin_prefetch(r->position.row + 6 * (size_t)row);
+    __builtin_prefetch(r->position.clear + row);
+    __builtin_prefetch(r->E + row);
+    __builtin_prefetch(r->radius + row);
+    __builtin_prefetch(r->ring + row);
+}
+
+void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
+                            const struct photon_lookups *lookups) {
+    const struct photon_irradiance *r = &maps->irradiance;
+    const size_t count = lookups->count;
+    const vec3 *p = lookups->p, *n = lookups->n;
+    struct ray ray;
+    int row[IRRADIANCE_BATCH];
+    for (size_t at = 0; at < count; at += IRRADIANCE_BATCH) {
+        size_t batch = count - at < IRRADIANCE_BATCH ? count - at : IRRADIANCE_BATCH;
+        look_up_entries(r, p + at, n + at, batch, row);
+        for (size_t i = 0; i < batch; i++) {
+            size_t j = at + i;
+            if (i + AHEAD < batch) prefetch_entry(r, row[i + AHEAD]);
+            if (row[i] >= 0 &&
+                (!has_orientation(r, row[i], n[j]) ||
+                 (ray_to_entry(&r->position, scene, (size_t)row[i], p[j], n[j], &ray) &&
+                  scene_occluded(scene, &ray))))
+                // If that entry is far, continuing paths is faster than a longer search.
+                row[i] = is_far(r, row[i], p[j]) ? -1 : search_facing(r, p[j], n[j], scene);
+            lookups->E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
+                                    fraction_within(r, row[i], lookups->segments));
+            lookups->radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
+            if (lookups->entry)
+                lookups->entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
+        }
+    }
+}
+
+size_t photon_irradiance_count(const struct photon_maps *maps) { return maps->irradiance.count; }
+
+void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n) {
+    const struct photon_positions *at = &maps->irradiance.position;
+    const float *row = at->row + 6 * entry, s = 1.0f / at->scale;
+    *p = photon_entry_position(at, entry);
+    *n = v3_unit(v3(s * row[3], s * row[4], s * row[5]));
+}
+
+rgb photon_irradiance_of_entry(const struct photon_maps *maps, size_t entry) {
+    return maps->irradiance.E[entry];
+}
+
+float photon_irradiance_area(const struct photon_maps *maps, size_t entry) {
+    return photon_irradiance_entry_area(&maps->irradiance, entry);
+}
+
+void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
+                              int around[PHOTON_AROUND]) {
+    const struct photon_irradiance *r = &maps->irradiance;
+    float distance2[PHOTON_AROUND];
+    photon_index_nearest(r->index, r->position.row + 6 * entry, 1, PHOTON_AROUND, r->far2, around,
+                         distance2);
+}
+
+rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                         vec3 n, float *radius, int *entry) {
+    rgb E;
+    const struct photon_lookups one = {1, &p, &n, 0, &E, radius, entry};
+    photon_irradiance_many(maps, scene, &one);
+    return E;
+}
