@@ -31,7 +31,7 @@ struct image_blocks {
 // The least number of blocks of a pixel.
 enum { IMAGE_BLOCKS = 4 };
 
-// The channels of films, in the order of the table in render_film.c.
+// The channels of films, in the order of the table in render_film_channels.c.
 enum {
     CHANNEL_LAYERS = 3,
     CHANNEL_DEPTH = CHANNEL_LAYERS + 3 * SHADE_LAYERS,
@@ -117,7 +117,7 @@ void render_tile_end(struct render_image *image, size_t tile);
 // Between two samples of the tile: leaves it to a snapshot that waits for it.
 void render_tile_yield(struct render_image *image, size_t tile, int worker);
 
-// The planes of a film that has some of the image's channels (render_film.c).
+// The planes of a film that has some of the image's channels (render_film_channels.c).
 struct channel_planes render_film_planes(const struct render_image *image, struct satin_film *film);
 // Sets pixel `at` of all planes to the values of `source`, a sampled pixel of the image; if it is
 // NULL, only the number of samples.
@@ -163,12 +163,13 @@ bool render_image_unpack(struct render_image *image, const struct bytes *in);
 // the samples that are distributed equally. *whole is false if it was stopped early.
 satin_status render_rims(struct render *r, bool *whole);
 
-// Checks that the image has each layer of option layers; else logs one line (render_film.c).
+// Checks that the image has each layer of option layers; else logs one line
+// (render_film_channels.c).
 satin_status render_film_check(const struct satin_scene *scene, const satin_options *options,
                                struct log log);
-// The number of the channels of a film that has all layers of the options (render_film.c).
+// The number of the channels of a film that has all layers of the options (render_film_channels.c).
 int render_film_channels(const struct satin_scene *scene, const satin_options *options);
-// Makes an empty film for an image; NULL if there is no memory (render_film.c).
+// Makes an empty film for an image; NULL if there is no memory (render_film_channels.c).
 struct satin_film *render_film_new(const struct satin_scene *scene, const satin_options *options);
 
 #endif
