@@ -78,6 +78,28 @@ static void a_strong_photon_is_divided(void **state) {
     test_scene_free(&t);
 }
 
+// Where estimates have small discs, a photon is a bright spot that would not be visible if it were
+// spread over the largest disc.
+static void a_spot_among_many_photons_is_divided(void **state) {
+    (void)state;
+    struct test_scene t;
+    divide_scene(&t);
+    struct parallel *pool = parallel_new(2);
+    for (int strong = 5; strong <= 20; strong *= 4) {
+        struct photon_map map = divide_map(&t, (float)strong, pool);
+        map.radius_max = 0.3f;
+        const double power = power_of(&map);
+        const struct photon_divide by = {1, K, 2.0f, WIDEST};
+        assert_int_equal(photon_map_divide(&by, &t.scene, pool, (struct log){0}, &map), SATIN_OK);
+        assert_true(strong > 5 ? map.count > WEAK + 16 : map.count == WEAK + 1);
+        assert_true(fabs(power_of(&map) / power - 1.0) < 1e-4);
+        for (size_t i = 0; i < map.count; i++) assert_true(map.photon[i].power.g * WEAK < 5.5f);
+        photon_map_free(&map);
+    }
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 // Neither are photons among which one is not visible, nor any if the mean irradiance is not known.
 static void equal_photons_stay(void **state) {
     (void)state;
@@ -101,6 +123,7 @@ static void equal_photons_stay(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_strong_photon_is_divided),
+        cmocka_unit_test(a_spot_among_many_photons_is_divided),
         cmocka_unit_test(equal_photons_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
