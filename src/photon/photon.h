@@ -29,7 +29,8 @@ struct photon_paths {
     uint64_t direct;    // direct photons, which show lit patches between the entries of irradiance
     uint64_t caustic;   // the caustic map
     int emission;       // from each light, a pilot that finds where caustic paths start
-    int region;         // from the eye, which show where caustics are visible
+    uint64_t emission_most;  // of that pilot from all lights
+    int region;              // from the eye, which show where caustics are visible
 };
 
 // What the photon maps are made from. Of the options, the numbers of photons are not used.

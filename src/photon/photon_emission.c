@@ -13,8 +13,7 @@
 
 enum {
     EMISSION_CHUNK = 256,
-    EMISSION_LEAST = 16,     // paths of the pilot of a light
-    EMISSION_MOST = 1 << 18  // of all lights, a bound of memory and time
+    EMISSION_LEAST = 16  // paths of the pilot of a light, however many lights there are
 };
 
 struct emission_tracing {
@@ -97,7 +96,8 @@ satin_status photon_emission_build(const struct photon_request *request, struct 
     struct guide_seen seen;
     guide_seen_make(scene, request->options->seed, paths->seen, pool, &seen);
     if (!guide_emission_target(scene, &seen, &pilot.aim)) return SATIN_OK;
-    const uint64_t most = paths->caustic < EMISSION_MOST ? paths->caustic : EMISSION_MOST;
+    const uint64_t most =
+        paths->caustic < paths->emission_most ? paths->caustic : paths->emission_most;
     pilot.per_light = (size_t)(most / scene->light_count);
     if (pilot.per_light > (size_t)paths->emission) pilot.per_light = (size_t)paths->emission;
     if (pilot.per_light < EMISSION_LEAST) pilot.per_light = EMISSION_LEAST;
