@@ -321,7 +321,8 @@ static void print_bytes(int64_t value, char *out, size_t bytes) {
         value /= 1024;
         unit++;
     }
-    snprintf(out, bytes, "%" PRId64 "%.*s", value, unit > 0, unit > 0 ? &byte_units[unit - 1] : "");
+    const char suffix[2] = {unit > 0 ? byte_units[unit - 1] : '\0'};
+    snprintf(out, bytes, "%" PRId64 "%s", value, suffix);
 }
 
 // Reads words NAME=on or NAME=off, separated by commas.
