@@ -151,12 +151,12 @@ static rgb glossy_caustic(const struct path *path, const struct path_vertex *v,
     struct sampler apart = path->sampler;
     apart.dimension += 33;  // beyond that of caustic_irradiance
     const float u = sampler_1d(&apart) / branch.probability;
-    if (!(u < 1.0f)) return rgb_grey(0.0f);
+    if (!(u < 1.0f && v->y->wo_l.z > 0.0f)) return rgb_grey(0.0f);
     const struct photon_other_light other = {rgb_luminance(v->L) / fmaxf(rgb_max(albedo), 1e-6f),
                                              u};
-    return rgb_scale(
-        photon_caustic(v->g->maps, v->g->scene, v->y, branch.lobes, GLOSSY_PDF_MOST, other),
-        1.0f / branch.probability);
+    const unsigned lobes = branch.lobes & BRDF_GLOSSY;
+    return rgb_scale(photon_caustic(v->g->maps, v->g->scene, v->y, lobes, GLOSSY_PDF_MOST, other),
+                     1.0f / branch.probability);
 }
 
 // Adds the light that is known at a vertex, and decides by which lobes the path continues.
@@ -243,10 +243,11 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
 }
 
 // Whether caustic photons at y have the light that specular surfaces send from the direction wi,
-// which was drawn from `lobes`.
+// which was drawn from `lobes`. The inside of a surface that transmits has no photons.
 static bool has_caustic_photons(const struct shading_point *y, unsigned lobes, vec3 wi) {
     if (lobes == BRDF_DIFFUSE) return true;
-    return y->wo_l.z * wi.z > 0.0f && !brdf_is_sharp(&y->brdf, y->wo_l, wi, GLOSSY_PDF_MOST);
+    return y->wo_l.z > 0.0f && wi.z > 0.0f &&
+           !brdf_is_sharp(&y->brdf, y->wo_l, wi, GLOSSY_PDF_MOST);
 }
 
 // Follows a branch from v by one segment. True if it ends at a surface, which becomes the vertex
