@@ -51,7 +51,9 @@ static void estimate_cone(struct guide_cone *cone, float distance, float cosine)
 // A node of the hierarchy to which the point may send rays.
 struct candidate {
     const struct guide_cluster *node;
-    float most;   // bound of the irradiance from it; 0: it is ignored
+    // Bound of the variance of a ray that meets it by chance: of the irradiance from it, times its
+    // own; 0: it is ignored.
+    float most;
     bool narrow;  // whether it has a cone
     bool coarse;  // whether its children would be better targets
 };
@@ -69,7 +71,8 @@ static struct candidate candidate_of(const struct guide_cluster *node, const str
     const bool not_uniform = node->power < UNIFORM_LEAST * node->common * node->area;
     candidate.coarse = node->right > 0 && (!candidate.narrow || sparse || not_uniform);
     if (candidate.narrow || candidate.coarse)
-        candidate.most = node->power / (PI_F * fmaxf(sqrf(nearest), sqrf(node->radius)));
+        candidate.most =
+            node->power * node->common / (PI_F * fmaxf(sqrf(nearest), sqrf(node->radius)));
     return candidate;
 }
 

@@ -127,6 +127,34 @@ static void what_is_hidden_is_not_visible(void **state) {
     test_scene_free(&t);
 }
 
+// Light on the outside of the walls, as that of a sky, has most of the power and is hidden from
+// inside. A spot of little power, along which a ray is far brighter, gets a cone all the same.
+static void outer_light_does_not_hide_a_spot(void **state) {
+    (void)state;
+    static const float OUTSIDE = 3.0f;
+    static const size_t OUTER = PHOTONS - PHOTONS / 200;
+    static struct guide_photon photon[PHOTONS];
+    struct test_scene t;
+    box(&t, false);
+    shower(photon, OUTER);
+    for (size_t i = 0; i < OUTER; i++) {
+        photon[i].p = v3_mul(photon[i].p, OUTSIDE);
+        photon[i].n = v3_neg(photon[i].n);
+    }
+    struct guide_clusters *clusters = build_of(&t, photon, 2);
+    const vec3 p = v3(-0.5f, -1.0f, 0.1f), n = v3(0, 1, 0), d = v3_sub(SPOT, p);
+    struct guide_cone cone[GUIDE_CONES];
+    float expected = 1e-4f;  // that on the outer walls is .005
+    const int count =
+        guide_cones_from(clusters, &t.scene, &(struct guide_point){p, n, n}, cone, &expected);
+    float versine = 1.0f;  // of the narrowest cone that holds the spot
+    for (int c = 0; c < count; c++)
+        if (guide_cone_holds(&cone[c], v3_unit(d))) versine = fminf(versine, cone[c].versine);
+    assert_true(versine < 4.0f * sqrf(SPOT_RADIUS) / v3_len2(d));
+    guide_clusters_free(clusters);
+    test_scene_free(&t);
+}
+
 static void uniform_light_has_no_clusters(void **state) {
     (void)state;
     struct test_scene t;
@@ -245,6 +273,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_spot_is_visible),
         cmocka_unit_test(what_is_hidden_is_not_visible),
+        cmocka_unit_test(outer_light_does_not_hide_a_spot),
         cmocka_unit_test(uniform_light_has_no_clusters),
         cmocka_unit_test(photons_without_area_are_harmless),
         cmocka_unit_test(building_can_be_cancelled_anywhere),
