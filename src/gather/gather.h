@@ -50,9 +50,10 @@ struct gather {
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
                           const struct photon_maps *maps);
 
-// Whether indirect light is gathered: its paths have at least three segments.
-static inline bool gather_indirect(const satin_options *o) {
-    return o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
+// Whether indirect light is gathered at surfaces that are `depth` segments from the eye: two more
+// lead to the light.
+static inline bool gather_indirect(const satin_options *o, int depth) {
+    return o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth >= depth + 2);
 }
 
 // Whether samples of the image are paths, whose mean converges to the truth.

@@ -18,6 +18,7 @@
 
 #include <assert.h>
 
+#include "gather/gather_scratch.h"
 #include "gather/gather_segment.h"
 
 enum {
@@ -49,6 +50,7 @@ struct path_vertex {
     const struct shading_point *y;
     struct shading_point point;  // the surface point, except of the first vertex
     int segments;                // number of segments from y to this surface, as g counts them
+    int depth;                   // of those from the eye, with ideal specular surfaces between
     rgb T, Le;  // of the segment that ends here: its transmittance, and the emitted light on it
     rgb L;      // radiance reflected here, as far as it is known
     float E;    // luminance of the first-pass irradiance here
@@ -64,12 +66,6 @@ struct path {
 
 static bool has_records(const struct gather *g) {
     return g->options->first_pass == SATIN_FIRST_RECURSIVE;
-}
-
-// Whether light that reaches a surface `segments` after y by `more` further ones is within
-// max_depth: three segments lead from the eye by x and y to a light.
-static bool within_depth(const struct gather *g, int segments, int more) {
-    return g->options->max_depth < 0 || 2 + segments + more <= g->options->max_depth;
 }
 
 // The probability that glossy lobes of this albedo are followed. Faint ones, such as that of a
@@ -124,7 +120,7 @@ static rgb sample_direct(const struct path *path, const struct path_vertex *v,
 // are followed.
 static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
                                 struct path_branch branch) {
-    const struct gather_mis mis = {2 + v->segments, {{branch.lobes, branch.ratio}}};
+    const struct gather_mis mis = {v->depth, {{branch.lobes, branch.ratio}}};
     if (!branch.lobes || !(sampler_1d(&path->sampler) < branch.probability)) return rgb_grey(0.0f);
     return rgb_scale(sample_direct(path, v, mis, 1), 1.0f / branch.probability);
 }
@@ -133,7 +129,7 @@ static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
 // that of y may pass.
 static bool includes_direct(const struct path_vertex *v, struct gather_estimate estimate) {
     return estimate.reliable && estimate.direct &&
-           (v->segments == 0 || v->g->options->max_depth < 0);
+           (v->depth == GATHER_HIT_DEPTH || v->g->options->max_depth < 0);
 }
 
 // Irradiance by caustic photons at a vertex, beside the light that was added there.
@@ -141,7 +137,8 @@ static rgb caustic_irradiance(const struct path *path, const struct path_vertex 
     struct sampler apart = path->sampler;
     apart.dimension += 32;  // beyond those that the branches use
     const struct photon_other_light other = {rgb_luminance(v->L), sampler_1d(&apart)};
-    return photon_caustic_irradiance(v->g->maps, v->g->scene, v->y->interaction.p, v->y->ng, other);
+    return photon_caustic_irradiance(v->g->maps, v->g->scene, v->y->interaction.p, v->y->ng,
+                                     photon_bounces_left(v->g->options, v->depth), other);
 }
 
 // Light that ideal specular surfaces throw on the vertex and its glossy lobes of this albedo
@@ -154,8 +151,9 @@ static rgb glossy_caustic(const struct path *path, const struct path_vertex *v,
     if (!(u < 1.0f && v->y->wo_l.z > 0.0f)) return rgb_grey(0.0f);
     const struct photon_other_light other = {rgb_luminance(v->L) / fmaxf(rgb_max(albedo), 1e-6f),
                                              u};
-    const unsigned lobes = branch.lobes & BRDF_GLOSSY;
-    return rgb_scale(photon_caustic(v->g->maps, v->g->scene, v->y, lobes, GLOSSY_PDF_MOST, other),
+    const struct photon_caustic_limits limits = {branch.lobes & BRDF_GLOSSY, GLOSSY_PDF_MOST,
+                                                 photon_bounces_left(v->g->options, v->depth)};
+    return rgb_scale(photon_caustic(v->g->maps, v->g->scene, v->y, &limits, other),
                      1.0f / branch.probability);
 }
 
@@ -190,24 +188,23 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     } else {
         const bool shadow = !estimate.reliable || g->options->gather_direct;
         const struct gather_mis mis = {
-            2 + v->segments,
+            v->depth,
             {{shadow ? diffuse : 0u, by_diffuse.ratio}, {glossy, by_glossy.ratio}, {known, 0.0f}}};
         v->L = rgb_add(v->L, sample_direct(path, v, mis, estimate.light_samples));
     }
     path->sampler.dimension += 2;
 
-    const bool caustics = within_depth(g, v->segments, 2);
-    if (known && caustics)
-        v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, y, known, INFINITY, PHOTON_ALONE));
-    if (diffuse && !estimate.reliable) E = caustics ? caustic_irradiance(path, v) : rgb_grey(0.0f);
+    const struct photon_caustic_limits caustic = {known, INFINITY,
+                                                  photon_bounces_left(g->options, v->depth)};
+    if (known) v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, y, &caustic, PHOTON_ALONE));
+    if (diffuse && !estimate.reliable) E = caustic_irradiance(path, v);
     if (diffuse)
         v->L = rgb_add(v->L, diffuse_radiance(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE), E));
     if (glossy && v->segments >= glossy_bounces(g, glossy, estimate.reliable)) {
         v->L = rgb_add(v->L, diffuse_radiance(albedo, estimate.E));
         by_glossy.lobes = 0;
     }
-    if (by_glossy.lobes && caustics)
-        v->L = rgb_add(v->L, glossy_caustic(path, v, by_glossy, albedo));
+    if (by_glossy.lobes) v->L = rgb_add(v->L, glossy_caustic(path, v, by_glossy, albedo));
     v->branch[0] = by_diffuse;
     v->branch[1] = by_glossy;
 }
@@ -233,11 +230,12 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
     float radius;
     int entry;
     rgb E;
-    const struct photon_lookups one = {
-        1, &z->y->interaction.p, &z->y->ng, z->segments, &E, &radius, &entry};
+    const int more = z->depth - GATHER_HIT_DEPTH;
+    const struct photon_lookups one = {1,     &z->y->interaction.p, &z->y->ng, &more, &E, &radius,
+                                       &entry};
     photon_irradiance_many(g->maps, g->scene, &one);
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
-    return (struct gather_estimate){within_depth(g, z->segments, 2) ? E : none.E,
+    return (struct gather_estimate){gather_reads_photons(g, z->depth) ? E : none.E,
                                     gather_is_reliable(g, radius, near),
                                     gather_direct_known(g, entry), 1};
 }
@@ -262,7 +260,7 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     const struct gather_segment_start start = {
         .ray = scene_spawn(v->g->scene, s->p, s->ng, frame_to_world(&v->y->frame, next.wi)),
         .lit = &s->p,
-        .depth = 2 + v->segments};
+        .depth = v->depth};
     struct gather_segment segment;
     const bool found = gather_segment_trace(v->g, &start, &path->sampler, &segment, &z->point);
     const rgb weight = rgb_scale(next.weight, 1.0f / branch.probability);
@@ -273,7 +271,8 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
                           mis_power(branch.ratio * next.pdf_w, segment.light_pdf));
     if (!has_caustic_photons(v->y, branch.lobes, next.wi))
         z->Le = rgb_fma(z->Le, weight, segment.Le_specular);
-    if (!found || !within_depth(v->g, v->segments + 1, 1)) {
+    const int depth = v->depth + segment.specular + 1;
+    if (!found || !gather_within_depth(v->g, depth, 1)) {
         v->L = rgb_add(v->L, z->Le);
         return false;
     }
@@ -282,12 +281,13 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     const struct gather *next_bounce = v->g->next.gather;
     z->g = next_bounce ? next_bounce : v->g;
     z->segments = next_bounce ? v->segments : v->segments + 1;
+    z->depth = next_bounce ? depth - 1 : depth;
     z->y = &z->point;
     add_vertex_light(path, z, estimate_at(z));
     return true;
 }
 
-rgb gather_bounces(const struct gather *g, const struct shading_point *y,
+rgb gather_bounces(const struct gather *g, const struct shading_point *y, int depth,
                    struct gather_estimate estimate, const struct gather_cones *cones,
                    struct sampler sampler) {
     struct path path;  // not initialised as a whole, as few of its vertices are used
@@ -297,6 +297,7 @@ rgb gather_bounces(const struct gather *g, const struct shading_point *y,
     v->g = g;
     v->y = y;
     v->segments = 0;
+    v->depth = depth;
     add_vertex_light(&path, v, estimate);
     for (;;) {
         if (v->followed < 2) {

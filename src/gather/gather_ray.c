@@ -23,11 +23,12 @@ void gather_scratch_free(struct gather_scratch *scratch) { free(scratch); }
 
 // The irradiance at y by a density estimate from what the diffuse lobe reflects. If there is no
 // diffuse lobe, it is 0 and *radius is INFINITY.
-static rgb density_irradiance(const struct gather *g, const struct shading_point *y,
-                              float *radius) {
+static rgb density_irradiance(const struct gather *g, const struct gather_hit *hit, float *radius) {
+    const struct shading_point *y = &hit->point;
     *radius = INFINITY;
     if (!(y->lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
-    rgb L = photon_radiance(g->maps, g->scene, y, BRDF_DIFFUSE, radius);
+    const int bounces = photon_bounces_left(g->options, GATHER_HIT_DEPTH + hit->specular);
+    rgb L = photon_radiance(g->maps, g->scene, y, BRDF_DIFFUSE, bounces, radius);
     rgb a = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
     return rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
                     a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
@@ -41,11 +42,15 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
         hits->p[i] = y->interaction.p;
         hits->n[i] = y->ng;
         hits->entry[i] = -1;
-        if (!precomputed) hits->E[i] = density_irradiance(g, y, &hits->radius[i]);
+        hits->specular[i] = hits->hit[i].specular;
+        if (!precomputed) hits->E[i] = density_irradiance(g, &hits->hit[i], &hits->radius[i]);
     }
-    const struct photon_lookups lookups = {count,   hits->p,      hits->n,    0,
+    const struct photon_lookups lookups = {count,   hits->p,      hits->n,    hits->specular,
                                            hits->E, hits->radius, hits->entry};
     if (precomputed) photon_irradiance_many(g->maps, g->scene, &lookups);
+    for (size_t i = 0; i < count; i++)
+        if (!gather_reads_photons(g, GATHER_HIT_DEPTH + hits->specular[i]))
+            hits->E[i] = rgb_grey(0.0f);
 }
 
 // The rays of a lobe that hit within the disc of one lookup have its noise in common, which no
@@ -103,7 +108,8 @@ static void reflect_hits(const struct gather *g, struct gather_hits *hits, size_
                                                  gather_direct_known(g, hits->entry[i]),
                                                  samples_of_hit(hits->bright[i], mean)};
         const struct gather_cones *cones = near ? &near->cones : NULL;
-        const rgb L = gather_bounces(g, &hit->point, estimate, cones, hit->sampler);
+        const rgb L = gather_bounces(g, &hit->point, GATHER_HIT_DEPTH + hit->specular, estimate,
+                                     cones, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
     }
 }
@@ -120,7 +126,9 @@ static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32
                           const struct gather_segment *segment, bool found,
                           struct gather_hit *hit) {
     const satin_first_pass first_pass = g->options->first_pass;
+    const int depth = GATHER_HIT_DEPTH + segment->specular;
     hit->T = segment->T;
+    hit->specular = segment->specular;
     hit->ray = ray;
     ray->first = segment->first;
     ray->Le = segment->Le;
@@ -131,13 +139,13 @@ static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32
         struct sampler again = {ray->item, seed, 0};
         ray->L = gather_path(g, ray->ray, &again, &ray->first);
     } else if (found && first_pass == SATIN_FIRST_NONE) {
-        const struct gather_mis lights_alone = {2, {{BRDF_SMOOTH, 0.0f}}};
+        const struct gather_mis lights_alone = {depth, {{BRDF_SMOOTH, 0.0f}}};
         const struct gather_light_samples one = {1, hit->sampler.index};
         ray->L = rgb_mul(
             hit->T, gather_sample_lights(g, &hit->point, lights_alone, one, hit->sampler, NULL));
     } else if (found && first_pass == SATIN_FIRST_RECURSIVE) {
         const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
-        ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, none, NULL, hit->sampler));
+        ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, depth, none, NULL, hit->sampler));
     } else {
         return found;
     }
@@ -170,7 +178,7 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
             struct gather_ray *ray = &rays[i];
             struct gather_hit *hit = &hits->hit[found];
             const struct gather_segment_start start = {ray->ray, ray->spread, ray->alpha_least,
-                                                       ray->lit, 1};
+                                                       ray->lit, GATHER_HIT_DEPTH - 1};
             struct gather_segment segment = {.first = GATHER_NOTHING};
             hit->sampler = (struct sampler){ray->item, seed, 0};
             const bool hits_surface =

@@ -9,10 +9,14 @@
 // ten.
 enum { GATHER_HITS_MOST = 512 };
 
+// The number of segments from the eye to the end of a gather ray without specular surfaces.
+enum { GATHER_HIT_DEPTH = 2 };
+
 // The end of a gather ray, for the lookup.
 struct gather_hit {
     struct shading_point point;
-    rgb T;  // transmittance of the ideal specular surfaces before it
+    rgb T;         // transmittance of the ideal specular surfaces before it
+    int specular;  // number of these
     struct gather_ray *ray;
     struct sampler sampler;
 };
@@ -22,6 +26,7 @@ struct gather_hit {
 struct gather_hits {
     struct gather_hit hit[GATHER_HITS_MOST];
     vec3 p[GATHER_HITS_MOST], n[GATHER_HITS_MOST];  // points and normals of the lookups
+    int specular[GATHER_HITS_MOST];                 // as in gather_hit
     rgb E[GATHER_HITS_MOST];
     float radius[GATHER_HITS_MOST];
     int entry[GATHER_HITS_MOST];

@@ -15,7 +15,9 @@ static void add_met_light(const struct gather *g, const struct gather_segment_st
                           const struct light_chain *chain, vec3 d, const struct interaction *hit,
                           struct gather_segment *out) {
     const struct gather_met_light met = gather_meet_light(g, chain, d, start->lit, hit);
+    const int most = g->options->max_depth;
     if (!met.direct) {
+        if (most >= 0 && start->depth + out->specular + 1 > most) return;
         out->Le_specular = rgb_fma(out->Le_specular, out->T, met.Le);
     } else if (chain->crossed <= gather_panes(g, start->depth)) {
         out->Le = rgb_mul(out->T, met.Le);
@@ -85,6 +87,7 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
                             BRDF_RADIANCE, &next))
             return false;
         out->T = rgb_mul(out->T, rgb_scale(next.weight, 1.0f / (1.0f - stop)));
+        out->specular++;
         light_chain_pass(&chain, g->scene, &s, v3_neg(ray.d), end->wo_l, &next);
         ray = scene_spawn(g->scene, s.p, s.ng, frame_to_world(&end->frame, next.wi));
     }

@@ -18,6 +18,7 @@ struct gather_segment_start {
 // Results of tracing a segment.
 struct gather_segment {
     rgb T;                      // transmittance of the ideal specular surfaces
+    int specular;               // number of these
     struct gather_first first;  // the first surface that the ray hits
     rgb Le;  // direct light: emitted light hit directly or through panes; 0 if `lit` is NULL, as
              // the following two

@@ -80,11 +80,11 @@ rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scen
 struct photon_lookups {
     size_t count;
     const vec3 *p, *n;
-    // The points are those of paths from the eye with so many segments more than to the hit of a
-    // gather ray: photons that have bounced so often that the whole path would be longer than
-    // max_depth are left out. For more than one, their fraction of the light is assumed to be the
-    // same for each bounce.
-    int segments;
+    // By point: how many segments more than to the hit of a gather ray the path from the eye to it
+    // has. Photons that have bounced so often that the whole path would be longer than max_depth
+    // are left out. For more than one, their fraction of the light is assumed to be the same for
+    // each bounce. NULL: none.
+    const int *segments;
     rgb *E;         // as photon_irradiance_at returns it
     float *radius;  // likewise
     int *entry;     // that of the point's surroundings, or -1 if none is as near as the spacing of
@@ -123,25 +123,34 @@ float photon_lookup_max(const struct photon_maps *maps);
 // The radiance that the smooth `lobes` of a point reflect to its viewer, by a k-nearest density
 // estimate from the global map (of the classes it holds) or the caustic map. *radius is set to that
 // of the estimate. It is INFINITY, and the radiance is black, if the map has fewer photons than an
-// estimate needs.
+// estimate needs. Photons that have bounced more often than `bounces` are left out; negative: none.
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                    const struct shading_point *point, unsigned lobes, float *radius);
+                    const struct shading_point *point, unsigned lobes, int bounces, float *radius);
 // Other light beside a caustic: the luminance L that the point reflects of it, and a random number
 // u in [0, 1) for skipping the lookup of caustics that are faint beside it. L 0: never skip it.
 struct photon_other_light {
     float L, u;
 };
 #define PHOTON_ALONE ((struct photon_other_light){0.0f, 0.0f})
-// The radiance of caustic photons that the smooth `lobes` of a point reflect to its viewer. The
-// glossy lobe is left out in directions that it draws with a density over pdf_most [sr^-1];
-// INFINITY: in none.
+// What of the light of caustic photons is asked for.
+struct photon_caustic_limits {
+    unsigned lobes;  // the smooth lobes that reflect it
+    float pdf_most;  // the glossy lobe is left out in directions that it draws with a larger
+                     // density [sr^-1]; INFINITY: in none
+    int bounces;     // photons that have bounced more often are left out; negative: none
+};
+// The radiance of it that a point reflects to its viewer.
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
-                   const struct shading_point *point, unsigned lobes, float pdf_most,
+                   const struct shading_point *point, const struct photon_caustic_limits *limits,
                    struct photon_other_light other);
 
-// The irradiance from caustic photons, from the caustic map.
+// The irradiance from caustic photons, from the caustic map. Those that have bounced more often
+// than `bounces` are left out; negative: none.
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                              vec3 p, vec3 n, struct photon_other_light other);
+                              vec3 p, vec3 n, int bounces, struct photon_other_light other);
+// The number of bounces after which a photon still fits into a path of max_depth segments, where
+// `after` segments follow the surface where it is stored; negative: no limit.
+int photon_bounces_left(const satin_options *options, int after);
 
 // ---- Progressive photon mapping (photon_sppm.c) ------------------------------------------
 

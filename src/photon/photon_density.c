@@ -148,13 +148,29 @@ float photon_disc_weight(const struct photon_disc *disc, int i) {
     return disc->scale * (disc->r2 / r2) * photon_kernel_weight(disc->kernel, d2 / r2);
 }
 
-rgb photon_disc_irradiance(const struct photon_disc *disc) {
+rgb photon_disc_irradiance_within(const struct photon_disc *disc, int bounces) {
     rgb E = rgb_grey(0.0f);
     for (int i = 0; i < disc->count; i++) {
-        float weight = photon_disc_weight(disc, i);
-        if (weight > 0.0f) E = rgb_mad(E, disc->map->photon[disc->row[i]].power, weight);
+        const float weight = photon_disc_weight(disc, i);
+        if (!(weight > 0.0f)) continue;
+        const struct photon *photon = &disc->map->photon[disc->row[i]];
+        if (photon->bounces <= bounces) E = rgb_mad(E, photon->power, weight);
     }
     return E;
+}
+
+rgb photon_disc_irradiance(const struct photon_disc *disc) {
+    return photon_disc_irradiance_within(disc, PHOTON_BOUNCES_MOST);
+}
+
+int photon_disc_bounces(const struct photon_disc *disc) {
+    int most = 0;
+    for (int i = 0; i < disc->count; i++) {
+        if (!(photon_disc_weight(disc, i) > 0.0f)) continue;
+        const int bounces = disc->map->photon[disc->row[i]].bounces;
+        if (bounces > most) most = bounces;
+    }
+    return most;
 }
 
 rgb photon_disc_last(const struct photon_disc *disc) {
@@ -229,7 +245,7 @@ static rgb estimate(const struct photon_query *query, const struct photon_reflec
 }
 
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                    const struct shading_point *point, unsigned lobes, float *radius) {
+                    const struct shading_point *point, unsigned lobes, int bounces, float *radius) {
     *radius = INFINITY;
     if (maps->global.count == 0) return rgb_grey(0.0f);
     struct photon_query query = {&maps->global,
@@ -240,8 +256,9 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                                  KERNEL_FLAT,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
                                  NULL};
-    const struct photon_reflection at =
+    struct photon_reflection at =
         photon_reflection_make(&point->frame, &point->brdf, point->wo_l, lobes);
+    if (bounces >= 0) at.bounces = bounces;
     return estimate(&query, &at, radius, NULL);
 }
 
@@ -249,18 +266,20 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
 enum map_read {
     READ_ENTRY,   // from the nearest entry
     READ_SPARSE,  // by an estimate at the point, as the nearest entry has fewer than k photons
-    READ_POINT    // by an estimate at the point, as the nearest entry is behind a wall
+    READ_POINT    // by an estimate at the point, as the nearest entry is behind a wall, or has
+                  // photons that have bounced too often
 };
 
 // Reads the precomputed irradiance of the caustic map. An estimate of all photons within the
 // largest radius has their energy if it is made at every point, but not if it is read from the
 // nearest photon: of light that fades between sparse photons half was lost.
 static enum map_read precomputed(const struct photon_maps *maps, const struct satin_scene *scene,
-                                 vec3 p, vec3 ng, rgb *E) {
+                                 vec3 p, vec3 ng, int bounces, rgb *E) {
     const struct photon_irradiance *r = &maps->caustic_irradiance;
     *E = rgb_grey(0.0f);
     const int entry = photon_irradiance_entry(r, p, ng);
     if (entry < 0) return READ_ENTRY;
+    if (r->bounces && bounces >= 0 && r->bounces[entry] > bounces) return READ_POINT;
     if (!maps->caustic.whole_disc[entry] && !photon_irradiance_visible(r, scene, entry, p, ng))
         return READ_POINT;
     const bool sparse = photon_irradiance_sparse(r, entry);
@@ -294,24 +313,26 @@ static struct photon_query caustic_query(const struct photon_maps *maps,
 }
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
-                   const struct shading_point *point, unsigned lobes, float pdf_most,
+                   const struct shading_point *point, const struct photon_caustic_limits *limits,
                    struct photon_other_light other) {
-    if (maps->caustic.count == 0) return rgb_grey(0.0f);
+    if (maps->caustic.count == 0 || limits->bounces == 0) return rgb_grey(0.0f);
     const struct brdf *brdf = &point->brdf;
     const vec3 p = point->interaction.p, ng = point->ng, wo = point->wo_l;
     rgb E, estimated;
     float radius;
     const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
     enum map_read source = READ_POINT;
-    if (maps->area && (diffuse || maps->smooth)) source = precomputed(maps, scene, p, ng, &E);
+    if (maps->area && (diffuse || maps->smooth))
+        source = precomputed(maps, scene, p, ng, limits->bounces, &E);
     if (source == READ_ENTRY && diffuse)
-        return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
+        return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), limits->lobes), E);
     if (source == READ_ENTRY && rgb_black(E)) return E;
     const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other);
     if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_query query = caustic_query(maps, scene, p, ng);
-    struct photon_reflection at = photon_reflection_make(&point->frame, brdf, wo, lobes);
-    at.pdf_most = pdf_most;
+    struct photon_reflection at = photon_reflection_make(&point->frame, brdf, wo, limits->lobes);
+    at.pdf_most = limits->pdf_most;
+    if (limits->bounces >= 0) at.bounces = limits->bounces;
     const rgb L = rgb_scale(estimate(&query, &at, &radius, &estimated), 1.0f / chance);
     if (source != READ_ENTRY) return L;
     return rgb_make(L.r * smoothing_factor(E.r, estimated.r),
@@ -320,10 +341,10 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
 }
 
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                              vec3 p, vec3 n, struct photon_other_light other) {
-    if (maps->caustic.count == 0) return rgb_grey(0.0f);
+                              vec3 p, vec3 n, int bounces, struct photon_other_light other) {
+    if (maps->caustic.count == 0 || bounces == 0) return rgb_grey(0.0f);
     rgb E;
-    const enum map_read source = precomputed(maps, scene, p, n, &E);
+    const enum map_read source = precomputed(maps, scene, p, n, bounces, &E);
     if (source == READ_ENTRY) return E;
     const float chance = source == READ_SPARSE ? lookup_probability(E, other) : 1.0f;
     if (!(other.u < chance)) return rgb_grey(0.0f);
@@ -332,5 +353,6 @@ rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     find_disc(&query, row, distance2, &disc);
-    return rgb_scale(photon_disc_irradiance(&disc), 1.0f / chance);
+    if (bounces < 0) bounces = PHOTON_BOUNCES_MOST;
+    return rgb_scale(photon_disc_irradiance_within(&disc, bounces), 1.0f / chance);
 }

@@ -91,6 +91,7 @@ static void precompute_one(struct precompute_loop *loop, size_t entry,
     loop->refused[entry] = !valid;
     loop->out->E[entry] = valid ? E : rgb_grey(0.0f);
     if (loop->out->last) loop->out->last[entry] = valid ? photon_disc_last(&disc) : rgb_grey(0.0f);
+    if (loop->out->bounces) loop->out->bounces[entry] = (uint8_t)photon_disc_bounces(&disc);
     loop->out->radius[entry] = valid ? disc.r : INFINITY;
     loop->out->position.clear[entry] = photon_disc_clear(&disc);
 }
@@ -189,7 +190,8 @@ static satin_status precompute_entries(const struct photon_precompute *what, str
     const struct parallel_results entries = {
         .slot = {{map->whole_disc, 1},
                  {r->E, sizeof *r->E},
-                 {r->last, sizeof *r->last},
+                 r->ends ? (struct parallel_slot){r->bounces, sizeof *r->bounces}
+                         : (struct parallel_slot){r->last, sizeof *r->last},
                  {r->radius, sizeof *r->radius},
                  {r->ring, sizeof *r->ring},
                  {r->position.clear, sizeof *r->position.clear},
@@ -222,11 +224,14 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.position.row = array_new_unset(6 * r.count, sizeof *r.position.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
-    if (map->limited) r.last = array_new(r.count, sizeof *r.last);
+    if (map->limited && r.ends)
+        r.bounces = array_new(r.count, sizeof *r.bounces);
+    else if (map->limited)
+        r.last = array_new(r.count, sizeof *r.last);
     if (!r.ends) r.ring = array_new(r.count, sizeof *r.ring);
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
     if (map->whole_disc && r.position.row && r.E && r.radius && (r.ring || r.ends) &&
-        r.position.clear && (r.last || !map->limited)) {
+        r.position.clear && (r.last || r.bounces || !map->limited)) {
         status = r.ends ? photon_map_find_radii(map, what->k, pool) : SATIN_OK;
         if (status == SATIN_OK) status = precompute_entries(what, pool, &r);
     }
@@ -250,6 +255,7 @@ void photon_irradiance_free(struct photon_irradiance *irradiance) {
     free(irradiance->radius);
     free(irradiance->ring);
     free(irradiance->last);
+    free(irradiance->bounces);
     free(irradiance->position.clear);
     *irradiance = (struct photon_irradiance){0};
 }
@@ -258,7 +264,8 @@ size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
     return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 2 * sizeof(float)) +
            (irradiance->ring ? irradiance->count * sizeof(float) : 0) +
            (irradiance->last ? irradiance->count * sizeof(rgb) : 0) +
-           photon_index_bytes(irradiance->index) + photon_voxels_bytes(&irradiance->voxels);
+           (irradiance->bounces ? irradiance->count : 0) + photon_index_bytes(irradiance->index) +
+           photon_voxels_bytes(&irradiance->voxels);
 }
 
 float photon_irradiance_entry_area(const struct photon_irradiance *r, size_t entry) {

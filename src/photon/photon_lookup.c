@@ -170,8 +170,10 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
                   scene_occluded(scene, &ray))))
                 // If that entry is far, continuing paths is faster than a longer search.
                 row[i] = is_far(r, row[i], p[j]) ? -1 : search_facing(r, p[j], n[j], scene);
-            lookups->E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
-                                    fraction_within(r, row[i], lookups->segments));
+            lookups->E[j] =
+                rgb_mul(photon_irradiance_value(r, row[i], p[j]),
+                        lookups->segments ? fraction_within(r, row[i], lookups->segments[j])
+                                          : rgb_grey(1.0f));
             lookups->radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
             if (lookups->entry)
                 lookups->entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
@@ -207,7 +209,7 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                          vec3 n, float *radius, int *entry) {
     rgb E;
-    const struct photon_lookups one = {1, &p, &n, 0, &E, radius, entry};
+    const struct photon_lookups one = {1, &p, &n, NULL, &E, radius, entry};
     photon_irradiance_many(maps, scene, &one);
     return E;
 }

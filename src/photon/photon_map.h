@@ -80,9 +80,6 @@ satin_status photon_trace_run(const struct photon_tracing *tracing, struct paral
 void photon_trace_free(struct photon_trace *trace);
 // Adds the counts of a trace to the statistics photons.*.
 void photon_trace_count(const struct photon_trace *trace, struct stats *stats);
-// The number of bounces after which a photon still fits into a path of max_depth segments, where
-// `after` segments follow the surface where it is stored; negative: no limit.
-int photon_bounces_left(const satin_options *options, int after);
 
 // ---- The map (photon_map.c) ---------------------------------------------------------------------
 
@@ -223,6 +220,10 @@ void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene
 float photon_disc_weight(const struct photon_disc *disc, int i);
 // Irradiance [W m^-2]: the weighted sum of the photons' power.
 rgb photon_disc_irradiance(const struct photon_disc *disc);
+// That of photons that have bounced so often at most.
+rgb photon_disc_irradiance_within(const struct photon_disc *disc, int bounces);
+// The largest number of bounces of a photon that counts in the disc.
+int photon_disc_bounces(const struct photon_disc *disc);
 // A surface point that reflects the photons of a disc.
 struct photon_reflection {
     const struct frame *frame;
@@ -277,7 +278,8 @@ struct photon_irradiance {
     size_t refused;  // number of estimates that were not finite
     struct photon_positions position;
     rgb *E;            // by entry [W m^-2]
-    rgb *last;         // by entry: photon_disc_last; NULL: bounces are not limited
+    rgb *last;         // by entry: photon_disc_last; NULL: bounces are not limited, or light ends
+    uint8_t *bounces;  // by entry of light that ends: photon_disc_bounces; NULL: not limited
     float *radius;     // by entry: radius of its estimate; INFINITY: the map has too few photons
     float *ring;       // by entry: photon_ring_radius; NULL for light that ends
     float fade2;       // squared distance from which on an entry fades, over its squared radius

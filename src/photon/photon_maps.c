@@ -180,6 +180,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     const struct photon_divide divide = {o->seed, maps->caustic_k, irradiance, maps->lookup_max};
     status = photon_map_divide(&divide, pass->scene, pass->pool, pass->log, &maps->caustic);
     if (status != SATIN_OK) return status;
+    maps->caustic.limited = o->max_depth >= 0;
     return precompute_map(pass,
                           &(struct photon_precompute){
                               &maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE, maps->caustic_k,

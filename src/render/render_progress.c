@@ -54,7 +54,7 @@ enum render_course render_first_course(const satin_options *options) {
         case SATIN_SPPM:
             return COURSE_SPPM;
         default:
-            return gather_indirect(options) ? COURSE_TWO_PASS : COURSE_SHORT_PATHS;
+            return gather_indirect(options, 1) ? COURSE_TWO_PASS : COURSE_SHORT_PATHS;
     }
 }
 

@@ -60,7 +60,8 @@ static void add_photon_radiance(struct shade_lighting *lighting) {
     const struct gather *g = lighting->shade->g;
     const struct shading_point *p = &lighting->vertex->point;
     float radius;
-    rgb L = photon_radiance(g->maps, g->scene, p, BRDF_REFLECT, &radius);
+    const int bounces = photon_bounces_left(g->options, lighting->vertex->depth);
+    rgb L = photon_radiance(g->maps, g->scene, p, BRDF_REFLECT, bounces, &radius);
     rgb *layer = &lighting->out->layer[SHADE_INDIRECT_DIFFUSE];
     *layer = rgb_fma(*layer, lighting->vertex->T, L);
 }

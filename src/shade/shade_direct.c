@@ -18,9 +18,9 @@ static rgb find_light(const struct shade_lighting *lighting, unsigned lobes, flo
     if (!brdf_sample_wi(&p->brdf, p->wo_l, sampler_1d(&u), uv, lobes, BRDF_RADIANCE, &b))
         return none;
     const vec3 d = frame_to_world(&p->frame, b.wi);
+    const int panes = gather_panes(g, lighting->vertex->depth);
     struct light_found found;
-    if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, gather_panes(g, 1), &found))
-        return none;
+    if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, panes, &found)) return none;
     const struct interaction *hit = found.environment ? NULL : &found.hit;
     const float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, hit);
     return rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf));
@@ -54,7 +54,7 @@ int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays) {
     const unsigned diffuse = p->lobes & BRDF_DIFFUSE & ~sampled;
     const unsigned glossy = p->lobes & BRDF_SMOOTH & ~sampled & ~diffuse;
     const bool by_diffuse = diffuse && g->wide_lights;
-    const struct gather_mis mis = {1,
+    const struct gather_mis mis = {lighting->vertex->depth,
                                    {{diffuse, by_diffuse ? 1.0f / (float)lights : 0.0f},
                                     {glossy, (float)of_glossy / (float)lights},
                                     {sampled, (float)of_sampled / (float)lights}}};

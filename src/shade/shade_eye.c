@@ -128,8 +128,8 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
             }
             if (max_depth >= 0 && path.depth + 1 >= max_depth) continue;
             if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
-                out->vertex[out->count++] =
-                    (struct shade_vertex){point, own.T, spread * (path.distance + s.t)};
+                out->vertex[out->count++] = (struct shade_vertex){
+                    point, own.T, spread * (path.distance + s.t), path.depth + 1};
             if ((point.lobes & BRDF_DELTA) && path.depth < EYE_DEPTH)
                 top = push_specular(shade, &own, &point, sampler, stack, top);
         }

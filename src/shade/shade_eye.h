@@ -12,6 +12,7 @@ struct shade_vertex {
     struct shading_point point;
     rgb T;        // throughput to the eye
     float pixel;  // width of a projected pixel there
+    int depth;    // number of segments from the eye
 };
 
 // The random numbers and properties of an eye ray.

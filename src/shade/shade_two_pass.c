@@ -216,7 +216,7 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
     const struct gather *g = lighting->shade->g;
     const struct shading_point *p = &lighting->vertex->point;
     const satin_options *o = g->options;
-    const bool indirect = gather_indirect(o);
+    const bool indirect = gather_indirect(o, lighting->vertex->depth);
     struct cache_plan plan;
     cache_plan_make(&lighting->shade->records, p, &plan);
     struct shade_pixel_value *value =
@@ -249,7 +249,9 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
         sample_lobes(lighting, &by);
     }
     const struct photon_other_light other = {added_luminance(lighting) - before, u_caustic};
+    const struct photon_caustic_limits limits = {caustic, INFINITY,
+                                                 photon_bounces_left(o, lighting->vertex->depth)};
     if (caustic)
         shade_add_uncached(lighting, SHADE_CAUSTIC,
-                           photon_caustic(g->maps, g->scene, p, caustic, INFINITY, other));
+                           photon_caustic(g->maps, g->scene, p, &limits, other));
 }

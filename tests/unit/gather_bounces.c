@@ -116,26 +116,29 @@ static void bounces_end_with_the_longest_path(void **state) {
     const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
     for (int i = 0; i < 2; i++) {
         options.max_depth = 3 + i;
-        const rgb L = gather_bounces(&g, &y, none, NULL, sampler);
+        const rgb L = gather_bounces(&g, &y, 2, none, NULL, sampler);
         assert_true(fabsf(L.g - expected[i]) < 1e-4f);
     }
     options.max_depth = -1;
     double sum = 0.0;
     for (uint32_t i = 0; i < PATHS; i++)
-        sum += (double)gather_bounces(&g, &y, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
+        sum += (double)gather_bounces(&g, &y, 2, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
     // L = ALBEDO (1 + ALBEDO (1 + G)) has the mean 1 and a standard deviation of 2^-1.5; five of
     // the mean's.
     assert_true(fabs(sum - 1.0) < 5.0 * 0.354 / sqrt(PATHS));
     // A reliable estimate is read instead: E / pi times the albedo, without the direct light in it.
     struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true, NULL, 1};
     options.gather_direct = false;
-    assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 2.0f * ALBEDO) < 1e-6f);
+    assert_true(fabsf(gather_bounces(&g, &y, 2, estimate, NULL, sampler).g - 2.0f * ALBEDO) <
+                1e-6f);
     options.gather_direct = true;
-    assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 3.0f * ALBEDO) < 1e-4f);
+    assert_true(fabsf(gather_bounces(&g, &y, 2, estimate, NULL, sampler).g - 3.0f * ALBEDO) <
+                1e-4f);
     // Known direct light replaces that of the lamp.
     const rgb direct = rgb_grey(4.0f * PI_F);
     estimate.direct = &direct;
-    assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 6.0f * ALBEDO) < 1e-5f);
+    assert_true(fabsf(gather_bounces(&g, &y, 2, estimate, NULL, sampler).g - 6.0f * ALBEDO) <
+                1e-5f);
     test_scene_free(&t);
 }
 
@@ -155,7 +158,7 @@ static void photons_are_within_the_longest_path(void **state) {
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     double sum = 0.0, expected = 0.0;
     for (uint32_t i = 0; i < PATHS; i++)
-        sum += (double)gather_bounces(&f.g, &y, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
+        sum += (double)gather_bounces(&f.g, &y, 2, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
     for (int k = 1; k <= DEPTH - 2; k++) expected += pow((double)ALBEDO, k);
     assert_true(fabs(sum / expected - 1.0) < 0.02);
     free_photons(&f);
@@ -212,7 +215,7 @@ static struct moments average_paths(const struct gather *g, const struct shading
                                     struct gather_estimate estimate, uint32_t paths) {
     double sum = 0.0, squares = 0.0;
     for (uint32_t i = 0; i < paths; i++) {
-        const rgb L = gather_bounces(g, y, estimate, NULL, (struct sampler){i, 7, 0});
+        const rgb L = gather_bounces(g, y, 2, estimate, NULL, (struct sampler){i, 7, 0});
         sum += (double)L.g;
         squares += (double)(L.g * L.g);
     }
@@ -331,6 +334,57 @@ static void light_through_glass_counts_once(void **state) {
     }
 }
 
+// Light of a lamp inside a glass ball takes one segment more than that of the lamp alone, and a
+// gather ray through the ball has two more. It counts where all of them are within the longest
+// path.
+static void caustics_are_within_the_longest_path(void **state) {
+    (void)state;
+    enum { RAYS = 64 };
+    float expected = 0.0f;
+    for (int longest = 3; longest <= 6; longest++) {
+        struct photon_fixture f = {.options = satin_options_default};
+        test_scene_init(&f.t);
+        test_quadric(&f.t, SHAPE_DISK, test_transform(v3(0, 0, 0), v3(9, 9, 9)), false,
+                     test_diffuse(&f.t, .5f, .5f, .5f));
+        const uint32_t glass = test_material(&f.t, "dielectric", rgb_grey(0), rgb_grey(1));
+        const vec3 lamp = v3(-.5f, 0, 1);
+        test_quadric(&f.t, SHAPE_SPHERE, test_transform(lamp, v3(.3f, .3f, .3f)), false, glass);
+        test_area_light(
+            &f.t,
+            test_quadric(&f.t, SHAPE_SPHERE, test_transform(lamp, v3(.1f, .1f, .1f)), false, glass),
+            rgb_grey(1.0f));
+        test_scene_finish(&f.t);
+        f.options.max_depth = longest;
+        trace_photons(&f, 0, 100000);
+        const struct shading_point y = floor_point(&f.t);
+        const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
+        for (int depth = 2; depth <= 5; depth++) {
+            const float L =
+                gather_bounces(&f.g, &y, depth, none, NULL, (struct sampler){0, 7, 0}).g;
+            print_message("longest path %d, %d to the floor: %.6f\n", longest, depth, L);
+            if (depth + 2 > longest) assert_true(L == 0.0f);
+            if (depth + 2 == longest && depth == 2) expected = L;
+            if (depth + 2 == longest) assert_true(L > 0.0f && fabsf(L / expected - 1.0f) < 0.1f);
+        }
+        struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
+        assert_non_null(scratch);
+        struct gather_ray through[RAYS];
+        int lit = 0;
+        for (uint32_t i = 0; i < RAYS; i++)
+            through[i] = (struct gather_ray){.ray = {v3(-.25f, 0, 3), 0.0f, v3(0, 0, -1), INFINITY},
+                                             .item = i};
+        gather_rays(&f.g, scratch, through, RAYS, 3);
+        for (int i = 0; i < RAYS; i++) lit += through[i].L.g > 0.0f;
+        print_message("longest path %d: %d of %d rays\n", longest, lit, RAYS);
+        // A tenth is reflected by the ball towards the floor.
+        if (longest < 5) assert_int_equal(lit, 0);
+        if (longest == 5) assert_true(lit > 0 && lit < RAYS / 4);
+        if (longest == 6) assert_true(lit > RAYS * 3 / 4);
+        gather_scratch_free(scratch);
+        free_photons(&f);
+    }
+}
+
 // Each light sample finds one of many lights of different power, so several have less variance.
 static void more_light_samples_are_less_noisy(void **state) {
     (void)state;
@@ -401,6 +455,7 @@ int main(void) {
         cmocka_unit_test(paths_over_two_lobes_are_unbiased),
         cmocka_unit_test(bounces_end_with_the_longest_path),
         cmocka_unit_test(photons_are_within_the_longest_path),
+        cmocka_unit_test(caustics_are_within_the_longest_path),
         cmocka_unit_test(direct_light_counts_once),
         cmocka_unit_test(light_through_glass_counts_once),
         cmocka_unit_test(more_light_samples_are_less_noisy),

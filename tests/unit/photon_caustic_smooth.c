@@ -176,8 +176,8 @@ static double glossy_noise(const struct photon_maps *maps, const struct satin_sc
     for (int i = 0; i < POINTS; i++) {
         const float x = 1.6f * rng_float(&rng) - .8f, y = 1.6f * rng_float(&rng) - .8f;
         const struct shading_point at = photon_case_point(v3(x, y, 0), &frame, brdf, wo);
-        const rgb L =
-            photon_caustic(maps, scene, &at, BRDF_DIFFUSE | BRDF_GLOSSY, INFINITY, PHOTON_ALONE);
+        const struct photon_caustic_limits limits = {BRDF_DIFFUSE | BRDF_GLOSSY, INFINITY, -1};
+        const rgb L = photon_caustic(maps, scene, &at, &limits, PHOTON_ALONE);
         sum += (double)L.g;
         square += (double)L.g * (double)L.g;
     }

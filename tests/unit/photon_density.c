@@ -61,12 +61,13 @@ static void photon_density_integrate(const struct test_scene *t, const struct ph
         const vec3 p = v3(r * cosf(phi), r * sinf(phi), 0);
         const double area = 4.0 * M_PI * (double)(r * u.x) / POINTS;
         const struct photon_other_light other[2] = {PHOTON_ALONE, {100.0f, chance.x}};
-        power[0] += area * (double)photon_caustic_irradiance(maps, &t->scene, p, up, other[1]).g;
+        power[0] +=
+            area * (double)photon_caustic_irradiance(maps, &t->scene, p, up, -1, other[1]).g;
         const struct shading_point at = photon_case_point(p, &frame, white, up);
+        const struct photon_caustic_limits diffuse = {BRDF_DIFFUSE, INFINITY, -1};
         for (int k = 0; k < 2; k++)
             power[k + 1] +=
-                area * M_PI *
-                (double)photon_caustic(maps, &t->scene, &at, BRDF_DIFFUSE, INFINITY, other[k]).g;
+                area * M_PI * (double)photon_caustic(maps, &t->scene, &at, &diffuse, other[k]).g;
     }
 }
 

@@ -136,10 +136,10 @@ static void furnace_error(const struct test_scene *t, const struct photon_maps *
             struct frame frame = frame_from_normal(at.n);
             const struct shading_point on = photon_case_point(at.p, &frame, &white, v3(0, 0, 1));
             float radius;
-            rgb E =
-                precomputed
-                    ? photon_irradiance_at(maps, &t->scene, at.p, at.n, &radius, NULL)
-                    : rgb_scale(photon_radiance(maps, &t->scene, &on, BRDF_SMOOTH, &radius), PI_F);
+            rgb E = precomputed
+                        ? photon_irradiance_at(maps, &t->scene, at.p, at.n, &radius, NULL)
+                        : rgb_scale(photon_radiance(maps, &t->scene, &on, BRDF_SMOOTH, -1, &radius),
+                                    PI_F);
             assert_true(radius > 0.0f && rgb_finite(E));
             error[zone] += E.r / exact / (12 * POINTS);
         }
@@ -231,8 +231,8 @@ static void walls_do_not_leak(void **state) {
         const struct shading_point at[2] = {
             photon_case_point(v3(0.005f, y, 0), &frame, &white, v3(0, 0, 1)),
             photon_case_point(v3(-0.005f, y, 0), &frame, &white, v3(0, 0, 1))};
-        rgb lit = photon_radiance(maps, &t.scene, &at[0], BRDF_SMOOTH, &radius);
-        rgb dark = photon_radiance(maps, &t.scene, &at[1], BRDF_SMOOTH, &radius);
+        rgb lit = photon_radiance(maps, &t.scene, &at[0], BRDF_SMOOTH, -1, &radius);
+        rgb dark = photon_radiance(maps, &t.scene, &at[1], BRDF_SMOOTH, -1, &radius);
         assert_true(fabs(lit.g / (0.5 * M_SQRT1_2 / M_PI) - 1.0) < 0.6);
         assert_true(dark.g < 0.01 * M_SQRT1_2 / M_PI);
         // Precomputed entries give nothing either: none is near on the dark side.
@@ -273,14 +273,14 @@ static void empty_maps_are_black(void **state) {
     struct brdf b = t.material[0].front.base;
     vec3 p = v3(0, 0, 0), n = v3(0, 0, 1);
     const struct shading_point at = photon_case_point(p, &frame, &b, n);
+    const struct photon_caustic_limits smooth = {BRDF_SMOOTH, INFINITY, -1};
     float radius = 1.0f;
     assert_true(rgb_black(photon_irradiance_at(maps, &t.scene, p, n, &radius, NULL)) &&
                 isinf(radius));
     radius = 1.0f;
-    assert_true(rgb_black(photon_radiance(maps, &t.scene, &at, BRDF_SMOOTH, &radius)));
+    assert_true(rgb_black(photon_radiance(maps, &t.scene, &at, BRDF_SMOOTH, -1, &radius)));
     assert_true(isinf(radius));
-    assert_true(
-        rgb_black(photon_caustic(maps, &t.scene, &at, BRDF_SMOOTH, INFINITY, PHOTON_ALONE)));
+    assert_true(rgb_black(photon_caustic(maps, &t.scene, &at, &smooth, PHOTON_ALONE)));
     photon_maps_free(maps);
     test_scene_free(&t);
 }
@@ -301,10 +301,11 @@ static void threads_do_not_change_the_maps(void **state) {
         struct brdf b = t.material[0].front.base;
         vec3 p = v3(0.6f, -0.05f, 0), n = v3(0, 0, 1);
         const struct shading_point at = photon_case_point(p, &frame, &b, n);
+        const struct photon_caustic_limits smooth = {BRDF_SMOOTH, INFINITY, -1};
         float r;
         known[run][0] = photon_irradiance_at(maps, &t.scene, p, n, &r, NULL);
-        known[run][1] = photon_radiance(maps, &t.scene, &at, BRDF_SMOOTH, &r);
-        known[run][2] = photon_caustic(maps, &t.scene, &at, BRDF_SMOOTH, INFINITY, PHOTON_ALONE);
+        known[run][1] = photon_radiance(maps, &t.scene, &at, BRDF_SMOOTH, -1, &r);
+        known[run][2] = photon_caustic(maps, &t.scene, &at, &smooth, PHOTON_ALONE);
         photon_maps_free(maps);
         parallel_free(pool);
     }
