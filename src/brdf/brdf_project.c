@@ -4,7 +4,17 @@
 // is polar around the mirror direction: every azimuth goes from there to the horizon, where the
 // integrand ends, in panels that become shorter towards the lobe's peak. The integrand is smooth on
 // each panel and periodic in the azimuth, so Gauss' rule and equidistant azimuths converge fast.
+// Two sets of azimuths, one between the other, show whether their mean is accurate enough. If not,
+// it is averaged with that of the azimuths between both.
 #include "brdf/brdf_project.h"
+
+#include <string.h>
+
+// The largest distance of the results of two sets of azimuths whose mean is accurate enough,
+// relative to the lobe's norm. The error falls exponentially with their number, so that of the mean
+// is far smaller: for 20 lobes it is that of all azimuths. With .01, Phong's lobe of exponent 1.6
+// has an error of 8e-4 at grazing angles.
+static const double AGREE = 1e-3;
 
 void brdf_project_rule_make(struct project_rule *rule) {
     struct quadrature gauss;
@@ -56,19 +66,29 @@ static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror_sym
     return norm;
 }
 
-double brdf_project_glossy(const struct brdf *b, vec3 wo, struct project_target target,
-                           const struct project_rule *rule, struct project_points *points,
-                           float *c) {
-    struct mirror_symmetry m = mirror_of(wo);
-    int azimuths = target.half ? PROJECT_AZIMUTHS + 1 : 2 * PROJECT_AZIMUTHS;
+// Directions of equal distances in azimuth: every `every`-th from `first` on, in units of PI /
+// PROJECT_AZIMUTHS.
+struct azimuth_set {
+    int first, every;
+};
+
+// Finds the points of a set, and returns the squared norm by them alone.
+static double sample_azimuths(const struct brdf *b, vec3 wo, struct azimuth_set set, bool half,
+                              const struct project_rule *rule, struct project_points *points) {
+    const struct mirror_symmetry m = mirror_of(wo);
+    const int end = half ? PROJECT_AZIMUTHS + 1 : 2 * PROJECT_AZIMUTHS;
     double norm = 0.0;
     points->count = 0;
-    points->channels = target.channels;
-    for (int k = 0; k < azimuths; k++) {
-        float weight = PI_F / PROJECT_AZIMUTHS;
-        if (target.half && k > 0 && k < PROJECT_AZIMUTHS) weight *= 2.0f;
+    for (int k = set.first; k < end; k += set.every) {
+        float weight = PI_F / PROJECT_AZIMUTHS * (float)set.every;
+        if (half && k > 0 && k < PROJECT_AZIMUTHS) weight *= 2.0f;
         norm += add_azimuth(b, wo, &m, PI_F * (float)k / PROJECT_AZIMUTHS, weight, rule, points);
     }
+    return norm;
+}
+
+static void project_samples(const struct project_points *points, struct project_target target,
+                            float *c) {
     const bool colored = target.channels == 3;
     const rsh_samples samples = {points->count,
                                  points->x,
@@ -78,5 +98,32 @@ double brdf_project_glossy(const struct brdf *b, vec3 wo, struct project_target 
                                  colored ? points->value[1] : NULL,
                                  colored ? points->value[2] : NULL};
     rsh_project(target.basis, target.order, &samples, c);
-    return norm;
+}
+
+// Whether the results of two sets of azimuths, with their squared norms, agree.
+static bool projections_agree(const float *a, const float *b, int count, const double norm[2]) {
+    double sum = 0.0, mean = 0.5 * (norm[0] + norm[1]);
+    for (int k = 0; k < count; k++) sum += (double)sqrf(a[k] - b[k]);
+    return sum <= AGREE * AGREE * mean && fabs(norm[0] - norm[1]) <= AGREE * mean;
+}
+
+double brdf_project_glossy(const struct brdf *b, vec3 wo, struct project_target target,
+                           const struct project_rule *rule, struct project_points *points,
+                           float *c) {
+    static const struct azimuth_set set[] = {{0, 4}, {2, 4}, {1, 2}};
+    const int count = target.channels * target.order * target.order;
+    float found[3][3 * RSH_MAX_COEFFICIENTS] = {0};
+    double norm[3] = {0};
+    int sets = 0;
+    points->channels = target.channels;
+    for (; sets < 3; sets++) {
+        if (sets == 2 && projections_agree(found[0], found[1], count, norm)) break;
+        norm[sets] = sample_azimuths(b, wo, set[sets], target.half, rule, points);
+        project_samples(points, target, found[sets]);
+    }
+    // The third set has as many azimuths as the others together.
+    const float weight = sets == 3 ? 0.25f : 0.5f, rest = sets == 3 ? 0.5f : 0.0f;
+    for (int k = 0; k < count; k++)
+        c[k] += weight * (found[0][k] + found[1][k]) + rest * found[2][k];
+    return (double)weight * (norm[0] + norm[1]) + (double)rest * norm[2];
 }

@@ -8,10 +8,11 @@
 #include "rsh/rsh.h"
 
 enum {
-    PROJECT_PANELS = 5,    // each is half as long as the next one; the shortest is at the mirror
-                           // direction
-    PROJECT_NODES = 12,    // nodes of Gauss' rule in each panel
-    PROJECT_AZIMUTHS = 40  // over 180 degrees
+    PROJECT_PANELS = 3,     // each is half as long as the next one; the shortest is at the mirror
+                            // direction
+    PROJECT_NODES = 12,     // nodes of Gauss' rule in each panel
+    PROJECT_AZIMUTHS = 40,  // the most over 180 degrees
+    PROJECT_POINTS = PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES
 };
 
 // A rule over [0, 1] for the angle from the mirror direction, in units of the angle to the horizon.
@@ -30,14 +31,14 @@ struct project_target {
     bool half;
 };
 
-// Directions and values of one projection, for use as scratch.
+// Directions and values of at most half of the azimuths, for use as scratch.
 struct project_points {
     size_t count;
     int channels;  // of the values
-    float x[2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
-    float y[2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
-    float z[2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
-    float value[3][2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
+    float x[PROJECT_POINTS];
+    float y[PROJECT_POINTS];
+    float z[PROJECT_POINTS];
+    float value[3][PROJECT_POINTS];
 };
 
 // Adds to c[channels * order^2] the integrals of f_r cos(theta_i) H over the hemisphere, for b's
