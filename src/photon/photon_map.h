@@ -46,6 +46,13 @@ vec3 photon_unpack(uint32_t packed);
 
 // ---- Tracing (photon_trace.c) -------------------------------------------------------------------
 
+// What becomes of the power that lights emit [W, luminance]: surfaces absorb it, it leaves the
+// scene, or its photons end, as they have no more bounces or are refused. Together this is what was
+// emitted. What is absorbed is negative where surfaces send out more than they receive.
+struct photon_power {
+    double emitted, absorbed, escaped, ended;
+};
+
 // The photons of a tracing pass for one consumer. From malloc; freed by photon_trace_free.
 struct photon_trace {
     struct photon_hit *hit;
@@ -53,6 +60,7 @@ struct photon_trace {
     uint64_t emitted;  // number of paths that were started for this consumer
     uint64_t refused;  // photons of the pass that were not finite, for any consumer
     uint64_t stored[PHOTON_CLASSES];
+    struct photon_power power;  // of all paths of the pass; 0 for a caustic pass
 };
 
 // A consumer of the photons of a pass. It gets them as if the pass had only these paths.

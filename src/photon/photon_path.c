@@ -107,19 +107,30 @@ static bool scatter(const struct satin_scene *scene, const struct interaction *s
     return true;
 }
 
+static double luminous(const struct photon_path *photon) {
+    return (double)rgb_luminance(photon->power);
+}
+
 void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
                         struct photon_path photon, struct rng *rng, struct photon_chunk *chunk) {
     const unsigned lobes = caustic ? BRDF_DELTA : BRDF_ALL;
     const int most = bounces < 0 ? BOUNCES_MAX : bounces;
     for (int bounce = 0; bounce <= most; bounce++) {
         struct interaction s;
-        if (!scene_intersect(scene, &photon.ray, &s)) return;
+        if (!scene_intersect(scene, &photon.ray, &s)) {
+            chunk->power.escaped += luminous(&photon);
+            return;
+        }
         photon.bounces = (uint8_t)(bounce < PHOTON_BOUNCES_MOST ? bounce : PHOTON_BOUNCES_MOST);
         photon.last = bounce == bounces;
         if (photon.wanted >> class_of(&photon) & 1u &&
             stores_photons(scene, &s, v3_neg(photon.ray.d)) &&
             !store_photon(scene, chunk, &s, &photon))
             return;
-        if (!scatter(scene, &s, lobes, rng, &photon, &chunk->refused)) return;
+        const double before = luminous(&photon);
+        const bool goes_on = scatter(scene, &s, lobes, rng, &photon, &chunk->refused);
+        chunk->power.absorbed += goes_on ? before - luminous(&photon) : before;
+        if (!goes_on) return;
     }
+    chunk->power.ended += luminous(&photon);
 }

@@ -16,8 +16,9 @@ struct photon_stored {
 
 struct photon_chunk {
     struct photon_stored photons[PHOTON_CONSUMERS];
-    uint64_t refused;  // number of photons that are not finite
-    bool failed;       // whether memory ran out
+    struct photon_power power;  // of its paths
+    uint64_t refused;           // number of photons that are not finite
+    bool failed;                // whether memory ran out
 };
 
 // A photon on its way.
@@ -35,7 +36,7 @@ struct photon_path {
 
 // Follows the photon through the scene and appends what it stores to the chunk, until it is
 // absorbed, has no more bounces (< 0: no limit) or, of a caustic pass, meets a surface without
-// delta lobes.
+// delta lobes. What becomes of its power is added to that of the chunk, but for the emission.
 void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
                         struct photon_path photon, struct rng *rng, struct photon_chunk *chunk);
 

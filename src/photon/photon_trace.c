@@ -120,9 +120,10 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
         struct rng rng =
             rng_make(tracing->seed, tracing->emission ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct photon_path photon;
-        if (start_path(run, light, path - run->first[light], &photon, &chunk->refused))
-            photon_path_follow(tracing->scene, tracing->emission != NULL, tracing->bounces, photon,
-                               &rng, chunk);
+        if (!start_path(run, light, path - run->first[light], &photon, &chunk->refused)) continue;
+        chunk->power.emitted += (double)rgb_luminance(photon.power);
+        photon_path_follow(tracing->scene, tracing->emission != NULL, tracing->bounces, photon,
+                           &rng, chunk);
     }
     // The kd-tree numbers photons by int.
     size_t own = 0;
@@ -137,6 +138,7 @@ static void pack_photons(void *ctx, size_t begin, size_t end, struct bytes *out)
     const struct photon_chunk *chunk = &run->chunk[begin / run->chunk_paths];
     (void)end;
     bytes_put_u64(out, chunk->refused);
+    bytes_put(out, &chunk->power, sizeof chunk->power);
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         const struct photon_stored *photons = &chunk->photons[k];
         bytes_put_u64(out, photons->count);
@@ -151,6 +153,7 @@ static bool unpack_photons(void *ctx, size_t begin, size_t end, struct bytes_rea
     size_t own = 0;
     (void)end;
     chunk->refused = bytes_get_u64(in);
+    bytes_get(in, &chunk->power, sizeof chunk->power);
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         struct photon_stored *photons = &chunk->photons[k];
         const uint64_t count = bytes_get_u64(in);
@@ -204,7 +207,15 @@ static satin_status join(struct run *run, size_t chunks, int consumer, struct ph
     }
     for (uint32_t i = 0; i < run->tracing->scene->light_count; i++)
         trace.emitted += run->paths[consumer][i];
-    for (size_t i = 0; i < chunks; i++) trace.refused += run->chunk[i].refused;
+    for (size_t i = 0; i < chunks; i++) {
+        const struct photon_power *power = &run->chunk[i].power;
+        trace.refused += run->chunk[i].refused;
+        if (run->tracing->emission) continue;
+        trace.power.emitted += power->emitted;
+        trace.power.absorbed += power->absorbed;
+        trace.power.escaped += power->escaped;
+        trace.power.ended += power->ended;
+    }
     *out = trace;
     return SATIN_OK;
 }
@@ -264,6 +275,10 @@ void photon_trace_free(struct photon_trace *trace) {
 void photon_trace_count(const struct photon_trace *trace, struct stats *stats) {
     stats_add(stats, "photons.emitted", (double)trace->emitted);
     stats_add(stats, "photons.refused", (double)trace->refused);
+    stats_add(stats, "photons.power_emitted", trace->power.emitted);
+    stats_add(stats, "photons.power_absorbed", trace->power.absorbed);
+    stats_add(stats, "photons.power_escaped", trace->power.escaped);
+    stats_add(stats, "photons.power_ended", trace->power.ended);
     stats_add(stats, "photons.stored_direct", (double)trace->stored[PHOTON_DIRECT]);
     stats_add(stats, "photons.stored_caustic", (double)trace->stored[PHOTON_CAUSTIC]);
     stats_add(stats, "photons.stored_indirect", (double)trace->stored[PHOTON_INDIRECT]);

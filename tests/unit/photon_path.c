@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The balance of power: what photons bring from each kind of light is what the light emits, and is
+// absorbed or leaves the scene.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "photon/photon_map.h"
+#include "test_scene.h"
+
+enum { PHOTON_PATH_PATHS = 1 << 17 };
+
+static struct photon_power photon_path_balance(const struct test_scene *t, int bounces) {
+    struct parallel *pool = parallel_new(2);
+    assert_non_null(pool);
+    const struct photon_tracing tracing = {.scene = &t->scene,
+                                           .seed = 1,
+                                           .consumer = {{PHOTON_PATH_PATHS, 0, NULL}},
+                                           .bounces = bounces};
+    struct photon_trace trace[PHOTON_CONSUMERS] = {{0}};
+    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
+    const struct photon_power power = trace[0].power;
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
+    parallel_free(pool);
+    return power;
+}
+
+// The lamps of the cases, with the power that they emit by their definition [W]; 0: it depends on
+// the size of the scene.
+struct photon_path_case {
+    const char *name;
+    struct light light;
+    double power;
+};
+
+// A floor with a glass ball, a metal ball and a glossy wall, under a sphere that can be a lamp.
+static void photon_path_scene(struct test_scene *t, struct light light) {
+    test_scene_init(t);
+    test_rectangle(t, test_transform(v3(0, 0, 0), v3(3, 3, 3)), test_diffuse(t, .7f, .5f, .3f));
+    test_quadric(t, SHAPE_SPHERE, test_transform(v3(-1, 0, .5f), v3(.5f, .5f, .5f)), false,
+                 test_material(t, "dielectric", rgb_grey(0), rgb_grey(1)));
+    test_quadric(t, SHAPE_SPHERE, test_transform(v3(1, 0, .5f), v3(.5f, .5f, .5f)), false,
+                 test_material(t, "roughconductor", rgb_grey(0), rgb_grey(1)));
+    test_cube(t, test_transform(v3(0, 2, 1), v3(2, .1f, 1)), false,
+              test_material(t, "phong", rgb_grey(.4f), rgb_grey(.4f)));
+    light.shape = test_quadric(t, SHAPE_SPHERE, test_transform(v3(0, 0, 2), v3(.2f, .2f, .2f)),
+                               false, test_diffuse(t, .5f, .5f, .5f));
+    if (light.kind == LIGHT_AREA)
+        test_area_light(t, light.shape, light.value);
+    else
+        test_light(t, light);
+    test_scene_finish(t);
+}
+
+static void power_is_absorbed_or_escapes(void **state) {
+    (void)state;
+    const rgb white = rgb_grey(1.0f);
+    const struct photon_path_case cases[] = {
+        {"area", {.kind = LIGHT_AREA, .value = white}, 4.0 * M_PI * M_PI * .04},
+        {"point", {.kind = LIGHT_POINT, .value = white, .position = v3(0, -1, 1)}, 4.0 * M_PI},
+        {"spot",
+         {.kind = LIGHT_SPOT,
+          .value = white,
+          .position = v3(0, -1, 1.5f),
+          .direction = v3(0, 0, -1),
+          .cos_beam = .9f,
+          .cos_cutoff = .9f},
+         2.0 * M_PI * .1},
+        {"directional",
+         {.kind = LIGHT_DIRECTIONAL, .value = white, .direction = v3(0, 0, -1)},
+         0.0},
+        {"constant", {.kind = LIGHT_CONSTANT, .value = white}, 0.0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct test_scene t;
+        photon_path_scene(&t, cases[i].light);
+        const double expected =
+            cases[i].power > 0.0 ? cases[i].power : (double)t.scene.light[0].power;
+        const struct photon_power power = photon_path_balance(&t, -1);
+        print_message("%s: of %.5f W %.5f emitted, %.5f absorbed, %.5f escaped, %.2g ended\n",
+                      cases[i].name, expected, power.emitted, power.absorbed, power.escaped,
+                      power.ended);
+        assert_true(fabs(power.emitted / expected - 1.0) < 1e-4);
+        assert_true(fabs((power.absorbed + power.escaped) / power.emitted - 1.0) < 1e-4);
+        assert_true(power.absorbed > 0.05 * power.emitted && power.escaped > 0.05 * power.emitted);
+        test_scene_free(&t);
+    }
+}
+
+// A disc under a point light meets (1 - cos) / 2 of its light, and absorbs that but for
+// the albedo. Inside a closed sphere all is absorbed, in the proportions of a geometric series if
+// the number of bounces is limited.
+static void fractions_are_those_of_the_scene(void **state) {
+    (void)state;
+    const double albedo = 0.5;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_DISK, mat4_identity(), false, test_diffuse(&t, .5f, .5f, .5f));
+    test_light(&t,
+               (struct light){.kind = LIGHT_POINT, .position = v3(0, 0, 1), .value = rgb_grey(1)});
+    test_scene_finish(&t);
+    struct photon_power power = photon_path_balance(&t, -1);
+    const double met = (1.0 - sqrt(0.5)) / 2.0;
+    // Absorption is drawn: five deviations.
+    assert_true(fabs(power.absorbed / power.emitted - met * (1.0 - albedo)) <
+                5.0 * sqrt(met * albedo * (1.0 - albedo) / PHOTON_PATH_PATHS));
+    test_scene_free(&t);
+
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, .5f, .5f, .5f));
+    test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1)});
+    test_scene_finish(&t);
+    for (int bounces = 0; bounces < 3; bounces++) {
+        power = photon_path_balance(&t, bounces);
+        const double left = pow(albedo, bounces + 1);
+        print_message("%d bounces: %.4f of the power ended, %.4f expected\n", bounces,
+                      power.ended / power.emitted, left);
+        assert_true(power.escaped == 0.0);
+        assert_true(fabs(power.ended / power.emitted - left) <
+                    5.0 * sqrt(left * (1.0 - left) / PHOTON_PATH_PATHS));
+        assert_true(fabs((power.absorbed + power.ended) / power.emitted - 1.0) < 1e-6);
+    }
+    test_scene_free(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(power_is_absorbed_or_escapes),
+        cmocka_unit_test(fractions_are_those_of_the_scene),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
