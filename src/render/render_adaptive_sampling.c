@@ -60,7 +60,7 @@ struct adapting {
     const float *from;
     float *to;
     float factor;
-    double floor2;
+    double floor2, fraction;
     size_t stride;
     uint32_t count;
 };
@@ -147,6 +147,28 @@ void render_adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t
     struct adapting loop = {.adapt = adapt, .stride = (size_t)stride, .count = count};
     const size_t rows = (size_t)((adapt->height + stride - 1) / stride);
     parallel_for_all(adapt->pool, rows, ADAPTIVE_ROWS, target_rows, &loop);
+}
+
+// The fraction of the pixels that a pixel follows, by a lattice with no short vectors.
+static double lattice_order(size_t x, size_t y) {
+    const double u = 0.7548776662 * (double)x + 0.5698402910 * (double)y;
+    return u - floor(u);
+}
+
+static void target_some(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *loop = ctx;
+    const size_t width = (size_t)loop->adapt->width;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct adaptive_pixel *p = &loop->adapt->pixel[i];
+        if (lattice_order(i % width, i / width) < loop->fraction && p->target < loop->count)
+            p->target = loop->count;
+    }
+}
+
+void render_adaptive_some(struct adaptive_sampling *adapt, double fraction, uint32_t count) {
+    struct adapting loop = {.adapt = adapt, .fraction = fraction, .count = count};
+    each_chunk(adapt, target_some, &loop);
 }
 
 // One pass of a binomial filter over five pixels. Pixels without a value (< 0) are ignored.

@@ -47,6 +47,9 @@ void render_adaptive_compare(struct adaptive_sampling *adapt);
 // Sets the targets of the next pass to at least `count` samples in every pixel of a grid. `stride`
 // is the number of pixels from one of them to the next, in both directions.
 void render_adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count);
+// Sets them to at least `count` samples in this fraction of the pixels, which are distributed over
+// the image.
+void render_adaptive_some(struct adaptive_sampling *adapt, double fraction, uint32_t count);
 // Sets the targets of the next pass to `samples` more, where they lower the relative squared error
 // of the image most. Samples beyond what noisy pixels may get in one pass are distributed
 // uniformly.

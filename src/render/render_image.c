@@ -79,6 +79,15 @@ void render_image_free(struct render_image *image) {
     free(image);
 }
 
+// Sets the targets to `samples` of all pixels, of which some have one more than others.
+static void distribute_equally(struct render_image *image, uint64_t samples) {
+    const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
+    const uint32_t each = (uint32_t)(samples / pixels);
+    render_adaptive_equal(&image->adapt, 1, each);
+    if (samples % pixels)
+        render_adaptive_some(&image->adapt, (double)(samples % pixels) / (double)pixels, each + 1);
+}
+
 // Sets the targets of the next pass, which has *samples samples. False: the image is done.
 static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     struct render_image *image = r->image;
@@ -87,7 +96,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
     if (image->taken < render_budget_equal_samples(&r->options) * pixels)
-        render_adaptive_equal(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
+        distribute_equally(image, image->taken + *samples);
     else
         render_adaptive_distribute(&image->adapt, *samples);
     return true;

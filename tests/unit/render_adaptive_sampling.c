@@ -200,6 +200,19 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
     render_adaptive_destroy(&adapt);
 }
 
+// The fraction of the pixels with two samples, in every 11x7 block of an image of 33x21 to 3 of 77.
+static void check_spread(struct adaptive_sampling *adapt, double fraction) {
+    render_adaptive_some(adapt, fraction, 2);
+    for (int block = 0; block < 9; block++) {
+        int two = 0;
+        for (int i = 0; i < 77; i++) {
+            const int x = block % 3 * 11 + i % 11, y = block / 3 * 7 + i / 11;
+            two += adapt->pixel[y * 33 + x].target == 2;
+        }
+        assert_true(fabs(two - 77.0 * fraction) < 3.0);
+    }
+}
+
 // Every pixel of a grid and no other is asked for a sample, by one thread and by three.
 static void first_samples_are_on_a_grid(void **state) {
     (void)state;
@@ -213,6 +226,11 @@ static void first_samples_are_on_a_grid(void **state) {
                 assert_int_equal(adapt.pixel[i].target,
                                  i % 33 % stride == 0 && i / 33 % stride == 0);
         }
+        render_adaptive_some(&adapt, 0.0, 2);
+        check_spread(&adapt, 0.3);
+        check_spread(&adapt, 0.7);
+        render_adaptive_some(&adapt, 1.0, 1);
+        check_spread(&adapt, 0.7);
         render_adaptive_equal(&adapt, 4, 3);
         assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
         render_adaptive_equal(&adapt, 1, 2);
