@@ -133,10 +133,11 @@ static bool includes_direct(const struct path_vertex *v, struct gather_estimate 
 }
 
 // Irradiance by caustic photons at a vertex, beside the light that was added there.
-static rgb caustic_irradiance(const struct path *path, const struct path_vertex *v) {
+static rgb caustic_irradiance(const struct path *path, const struct path_vertex *v, rgb albedo) {
     struct sampler apart = path->sampler;
     apart.dimension += 32;  // beyond those that the branches use
-    const struct photon_other_light other = {rgb_luminance(v->L), sampler_1d(&apart)};
+    const float reflected = rgb_luminance(v->L) / fmaxf(rgb_max(albedo), 1e-6f);
+    const struct photon_other_light other = {reflected + v->E / PI_F, sampler_1d(&apart)};
     return photon_caustic_irradiance(v->g->maps, v->g->scene, v->y->interaction.p, v->y->ng,
                                      photon_bounces_left(v->g->options, v->depth), other);
 }
@@ -153,7 +154,7 @@ static rgb glossy_caustic(const struct path *path, const struct path_vertex *v,
                                              u};
     const struct photon_caustic_limits limits = {branch.lobes & BRDF_GLOSSY, GLOSSY_PDF_MOST,
                                                  photon_bounces_left(v->g->options, v->depth)};
-    return rgb_scale(photon_caustic(v->g->maps, v->g->scene, v->y, &limits, other),
+    return rgb_scale(photon_caustic_at_hit(v->g->maps, v->g->scene, v->y, &limits, other),
                      1.0f / branch.probability);
 }
 
@@ -197,9 +198,11 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     const struct photon_caustic_limits caustic = {known, INFINITY,
                                                   photon_bounces_left(g->options, v->depth)};
     if (known) v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, y, &caustic, PHOTON_ALONE));
-    if (diffuse && !estimate.reliable) E = caustic_irradiance(path, v);
-    if (diffuse)
-        v->L = rgb_add(v->L, diffuse_radiance(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE), E));
+    if (diffuse) {
+        const rgb white = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
+        if (!estimate.reliable) E = caustic_irradiance(path, v, white);
+        v->L = rgb_add(v->L, diffuse_radiance(white, E));
+    }
     if (glossy && v->segments >= glossy_bounces(g, glossy, estimate.reliable)) {
         v->L = rgb_add(v->L, diffuse_radiance(albedo, estimate.E));
         by_glossy.lobes = 0;

@@ -143,6 +143,11 @@ struct photon_caustic_limits {
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
                    const struct shading_point *point, const struct photon_caustic_limits *limits,
                    struct photon_other_light other);
+// As photon_caustic at the hit of a gather ray, where a few photons give the directions of light.
+rgb photon_caustic_at_hit(const struct photon_maps *maps, const struct satin_scene *scene,
+                          const struct shading_point *point,
+                          const struct photon_caustic_limits *limits,
+                          struct photon_other_light other);
 
 // The irradiance from caustic photons, from the caustic map. Those that have bounced more often
 // than `bounces` are left out; negative: none.

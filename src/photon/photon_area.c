@@ -61,10 +61,19 @@ static struct raised_disc raised_disc_make(const struct satin_scene *scene, vec3
     return (struct raised_disc){scene, v3_mad(up.o, height, n), n, height, r};
 }
 
-void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
+float photon_area_rotation(vec3 p) {
+    union {
+        float f[3];
+        uint32_t u[3];
+    } bits = {{p.x, p.y, p.z}};
+    const uint64_t key = rng_mix(bits.u[0] ^ rng_mix((uint64_t)bits.u[1] << 32 | bits.u[2]));
+    return (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
+}
+
+void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r,
                       struct photon_area *out) {
     out->frame = frame_from_normal(n);
-    out->rotation = (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
+    out->rotation = photon_area_rotation(p);
     out->whole_disc = true;
     struct raised_disc disc = raised_disc_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
@@ -106,13 +115,23 @@ static float inverse_extent(const struct photon_area *area, float sector) {
     return lerpf(area->inverse[i % AREA_SECTORS], area->inverse[(i + 1) % AREA_SECTORS], f);
 }
 
+float photon_area_sector(float x, float y, float rotation) {
+    float sector = (atan2f(y, x) - rotation) * (1.0f / SECTOR);
+    if (sector < 0.0f) sector += AREA_SECTORS;
+    if (sector < 0.0f) sector += AREA_SECTORS;
+    return fminf(sector, (float)AREA_SECTORS);
+}
+
 bool photon_area_has(const struct photon_area *area, vec3 d, float r) {
     float x = v3_dot(d, area->frame.u), y = v3_dot(d, area->frame.v);
-    float sector = (atan2f(y, x) - area->rotation) * (1.0f / SECTOR);
-    if (sector < 0.0f) sector += AREA_SECTORS;
-    if (sector < 0.0f) sector += AREA_SECTORS;
-    float inverse = inverse_extent(area, fminf(sector, (float)AREA_SECTORS));
+    float inverse = inverse_extent(area, photon_area_sector(x, y, area->rotation));
     return (x * x + y * y) * inverse * inverse <= r * r;
+}
+
+float photon_area_inverse(const struct photon_area *area) {
+    float inverse = 1.0f;
+    for (int i = 0; i < AREA_SECTORS; i++) inverse = fmaxf(inverse, area->inverse[i]);
+    return inverse;
 }
 
 float photon_area_fraction(const struct photon_area *area, enum photon_kernel kernel) {

@@ -4,22 +4,25 @@
 // divided by the area of the surface in it (photon_area.c). The radius is that of the outermost
 // photon, which is not counted: the k - 1 others are uniform in the disc, so their number over its
 // area is an unbiased density, while k over the area is too high by 1 / (k - 1). In the caustic map
-// each photon has a kernel of its own radius (photon_radii.c), and counts only in the discs in
-// which it is among the k nearest.
-#include "photon/photon_map.h"
+// each photon has a kernel of its own radius (photon_radii.c), is divided by the area of its own
+// disc (photon_own_area.c), and counts only in the discs in which it is among the k nearest.
+#include "photon/photon_own_area.h"
 
 // Largest distance of a photon from the plane of the disc, as a fraction of its radius.
 #define LAYER 0.35f
-// Limit of smoothed irradiance over that estimated at the point, and of its inverse.
-#define RATIO_MOST 2.0f
 
-// Whether photon i is on the surface of the disc, by its normal and its distance from the plane.
-static bool is_on_surface(const struct photon_disc *disc, int i) {
+// Whether photon i, of normal n, is on the surface of the disc, by n and its distance from the
+// plane.
+static bool is_on_surface(const struct photon_disc *disc, int i, vec3 n) {
     const struct photon_map *map = disc->map;
     size_t at = (size_t)disc->row[i];
-    if (v3_dot(photon_unpack(map->photon[at].n), disc->n) < PHOTON_FACING) return false;
+    if (v3_dot(n, disc->n) < PHOTON_FACING) return false;
     float height = v3_dot(v3_sub(photon_position(map, at), disc->p), disc->n);
     return fabsf(height) <= LAYER * disc->r;
+}
+
+static vec3 photon_normal(const struct photon_disc *disc, int i) {
+    return photon_unpack(disc->map->photon[disc->row[i]].n);
 }
 
 static bool is_counted(const struct photon_disc *disc, int i) {
@@ -46,7 +49,7 @@ static bool edge_near(const struct photon_disc *disc) {
     int known = 0;
     for (int i = 0; i < disc->count; i++) {
         if (!is_counted(disc, i) || (size_t)disc->row[i] % map->stride != 0 ||
-            !is_on_surface(disc, i))
+            !is_on_surface(disc, i, photon_normal(disc, i)))
             continue;
         if (!map->whole_disc[(size_t)disc->row[i] / map->stride]) return true;
         known++;
@@ -95,19 +98,11 @@ float photon_ring_radius(int *row, float *distance2, int k) {
     return sqrtf(isfinite(outer2) ? outer2 - inner2 : inner2);
 }
 
-static uint64_t point_key(vec3 p) {
-    union {
-        float f[3];
-        uint32_t u[3];
-    } bits = {{p.x, p.y, p.z}};
-    return rng_mix(bits.u[0] ^ rng_mix((uint64_t)bits.u[1] << 32 | bits.u[2]));
-}
-
 void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene) {
     float fraction = 1.0f;
     disc->corrected = false;
     if (scene) {
-        photon_area_make(scene, disc->p, disc->n, disc->r, point_key(disc->p), &disc->area);
+        photon_area_make(scene, disc->p, disc->n, disc->r, &disc->area);
         disc->corrected = !disc->area.whole_disc;
         // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.
         if (disc->corrected)
@@ -125,7 +120,7 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     out->count = query->k;
     out->row = row;
     out->distance2 = distance2;
-    out->radius2 = query->radius2;
+    out->own = query->own;
     out->corrected = false;
     out->scale = 0.0f;
     out->r2 = photon_radius2(query->map, row, distance2, query->k);
@@ -137,15 +132,18 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
 }
 
 float photon_disc_weight(const struct photon_disc *disc, int i) {
-    if (!is_counted(disc, i) || !is_on_surface(disc, i)) return 0.0f;
+    if (!is_counted(disc, i)) return 0.0f;
+    const size_t at = (size_t)disc->row[i];
+    const float d2 = disc->distance2[i];
+    if (disc->own && !(d2 < disc->map->radius2[at])) return 0.0f;
+    const vec3 n = photon_normal(disc, i);
+    if (!is_on_surface(disc, i, n)) return 0.0f;
+    if (disc->own) return photon_own_weight(disc->map, at, n, disc->p, d2, disc->kernel);
     if (disc->corrected) {
-        vec3 d = v3_sub(photon_position(disc->map, (size_t)disc->row[i]), disc->p);
+        vec3 d = v3_sub(photon_position(disc->map, at), disc->p);
         if (!photon_area_has(&disc->area, d, disc->r)) return 0.0f;
     }
-    const float r2 = disc->radius2 ? disc->radius2[disc->row[i]] : disc->r2,
-                d2 = disc->distance2[i];
-    if (!(d2 < r2)) return 0.0f;
-    return disc->scale * (disc->r2 / r2) * photon_kernel_weight(disc->kernel, d2 / r2);
+    return disc->scale * photon_kernel_weight(disc->kernel, d2 / disc->r2);
 }
 
 rgb photon_disc_irradiance_within(const struct photon_disc *disc, int bounces) {
@@ -184,10 +182,7 @@ rgb photon_disc_last(const struct photon_disc *disc) {
 }
 
 float photon_disc_clear(const struct photon_disc *disc) {
-    float inverse = 1.0f;
-    for (int i = 0; disc->corrected && i < AREA_SECTORS; i++)
-        inverse = fmaxf(inverse, disc->area.inverse[i]);
-    return disc->r / inverse;
+    return disc->corrected ? disc->r / photon_area_inverse(&disc->area) : disc->r;
 }
 
 float photon_disc_variance(const struct photon_disc *disc) {
@@ -223,8 +218,7 @@ rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_ref
     return L;
 }
 
-// Searches the photons of a disc; row and distance2 have PHOTON_K_MAX items.
-static void find_disc(const struct photon_query *query, int *row, float *distance2,
+void photon_disc_find(const struct photon_query *query, int *row, float *distance2,
                       struct photon_disc *out) {
     const float q[3] = {query->p.x, query->p.y, query->p.z};
     photon_index_nearest(query->map->index, q, 1, query->k, photon_map_far2(query->map), row,
@@ -232,13 +226,12 @@ static void find_disc(const struct photon_query *query, int *row, float *distanc
     photon_disc_make(query, row, distance2, out);
 }
 
-// The radiance reflected from the photons around the point and, if E is not NULL, their irradiance.
-static rgb estimate(const struct photon_query *query, const struct photon_reflection *at,
-                    float *radius, rgb *E) {
+rgb photon_disc_estimate(const struct photon_query *query, const struct photon_reflection *at,
+                         float *radius, rgb *E) {
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     struct photon_disc disc;
-    find_disc(query, row, distance2, &disc);
+    photon_disc_find(query, row, distance2, &disc);
     *radius = disc.r;
     if (E) *E = photon_disc_irradiance(&disc);
     return photon_disc_radiance(&disc, at);
@@ -255,104 +248,9 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                                  maps->photon_k,
                                  KERNEL_FLAT,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
-                                 NULL};
+                                 false};
     struct photon_reflection at =
         photon_reflection_make(&point->frame, &point->brdf, point->wo_l, lobes);
     if (bounces >= 0) at.bounces = bounces;
-    return estimate(&query, &at, radius, NULL);
-}
-
-// How the caustic map is read at a point.
-enum map_read {
-    READ_ENTRY,   // from the nearest entry
-    READ_SPARSE,  // by an estimate at the point, as the nearest entry has fewer than k photons
-    READ_POINT    // by an estimate at the point, as the nearest entry is behind a wall, or has
-                  // photons that have bounced too often
-};
-
-// Reads the precomputed irradiance of the caustic map. An estimate of all photons within the
-// largest radius has their energy if it is made at every point, but not if it is read from the
-// nearest photon: of light that fades between sparse photons half was lost.
-static enum map_read precomputed(const struct photon_maps *maps, const struct satin_scene *scene,
-                                 vec3 p, vec3 ng, int bounces, rgb *E) {
-    const struct photon_irradiance *r = &maps->caustic_irradiance;
-    *E = rgb_grey(0.0f);
-    const int entry = photon_irradiance_entry(r, p, ng);
-    if (entry < 0) return READ_ENTRY;
-    if (r->bounces && bounces >= 0 && r->bounces[entry] > bounces) return READ_POINT;
-    if (!maps->caustic.whole_disc[entry] && !photon_irradiance_visible(r, scene, entry, p, ng))
-        return READ_POINT;
-    const bool sparse = photon_irradiance_sparse(r, entry);
-    *E = sparse ? r->E[entry] : photon_irradiance_value(r, entry, p);
-    return sparse ? READ_SPARSE : READ_ENTRY;
-}
-
-// The factor that removes the noise of an estimate: the smoothed irradiance over that estimated at
-// the point. A channel without light stays black.
-static float smoothing_factor(float smoothed, float estimated) {
-    return estimated > 0.0f ? clampf(smoothed / estimated, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
-}
-
-// The probability of looking up a caustic of about this irradiance. A low-frequency lobe reflects
-// at most some ten times as much of it as of the light beside it.
-static float lookup_probability(rgb E, struct photon_other_light other) {
-    if (!(other.L > 0.0f)) return 1.0f;
-    return clampf(50.0f * rgb_luminance(E) / (PI_F * other.L), 0.1f, 1.0f);
-}
-
-static struct photon_query caustic_query(const struct photon_maps *maps,
-                                         const struct satin_scene *scene, vec3 p, vec3 ng) {
-    return (struct photon_query){&maps->caustic,
-                                 scene,
-                                 p,
-                                 ng,
-                                 maps->caustic_k,
-                                 KERNEL_PARABOLA,
-                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
-                                 maps->caustic.radius2};
-}
-
-rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
-                   const struct shading_point *point, const struct photon_caustic_limits *limits,
-                   struct photon_other_light other) {
-    if (maps->caustic.count == 0 || limits->bounces == 0) return rgb_grey(0.0f);
-    const struct brdf *brdf = &point->brdf;
-    const vec3 p = point->interaction.p, ng = point->ng, wo = point->wo_l;
-    rgb E, estimated;
-    float radius;
-    const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
-    enum map_read source = READ_POINT;
-    if (maps->area && (diffuse || maps->smooth))
-        source = precomputed(maps, scene, p, ng, limits->bounces, &E);
-    if (source == READ_ENTRY && diffuse)
-        return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), limits->lobes), E);
-    if (source == READ_ENTRY && rgb_black(E)) return E;
-    const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other);
-    if (!(other.u < chance)) return rgb_grey(0.0f);
-    const struct photon_query query = caustic_query(maps, scene, p, ng);
-    struct photon_reflection at = photon_reflection_make(&point->frame, brdf, wo, limits->lobes);
-    at.pdf_most = limits->pdf_most;
-    if (limits->bounces >= 0) at.bounces = limits->bounces;
-    const rgb L = rgb_scale(estimate(&query, &at, &radius, &estimated), 1.0f / chance);
-    if (source != READ_ENTRY) return L;
-    return rgb_make(L.r * smoothing_factor(E.r, estimated.r),
-                    L.g * smoothing_factor(E.g, estimated.g),
-                    L.b * smoothing_factor(E.b, estimated.b));
-}
-
-rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                              vec3 p, vec3 n, int bounces, struct photon_other_light other) {
-    if (maps->caustic.count == 0 || bounces == 0) return rgb_grey(0.0f);
-    rgb E;
-    const enum map_read source = precomputed(maps, scene, p, n, bounces, &E);
-    if (source == READ_ENTRY) return E;
-    const float chance = source == READ_SPARSE ? lookup_probability(E, other) : 1.0f;
-    if (!(other.u < chance)) return rgb_grey(0.0f);
-    const struct photon_query query = caustic_query(maps, scene, p, n);
-    struct photon_disc disc;
-    int row[PHOTON_K_MAX];
-    float distance2[PHOTON_K_MAX];
-    find_disc(&query, row, distance2, &disc);
-    if (bounces < 0) bounces = PHOTON_BOUNCES_MOST;
-    return rgb_scale(photon_disc_irradiance_within(&disc, bounces), 1.0f / chance);
+    return photon_disc_estimate(&query, &at, radius, NULL);
 }

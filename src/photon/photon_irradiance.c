@@ -16,7 +16,7 @@
 // disc cannot decide that: it is smaller for estimates that came out brighter, so that bright ones
 // would be read and dark ones would not. A room lit through a door was .7 % too bright with 100,000
 // photons. Instead, lookups return the radius of an equal number of photons around the disc.
-#include "photon/photon_map.h"
+#include "photon/photon_own_area.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -49,7 +49,7 @@ static struct photon_query query_of(const struct photon_precompute *what, size_t
                                  what->k,
                                  what->kernel,
                                  AREA_WHOLE,
-                                 what->map->radius2};
+                                 what->ends};
 }
 
 // A position around which there is no edge or wall up to a distance; 0: not known.
@@ -67,7 +67,8 @@ static struct clearing find_clearing(const struct photon_precompute *what, size_
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
     float radius = CLEARING * disc.r;
-    if (what->area && radius > 0.0f && photon_area_clear(what->scene, query.p, query.n, radius))
+    if (what->area && !query.own && radius > 0.0f &&
+        photon_area_clear(what->scene, query.p, query.n, radius))
         clearing.radius = radius;
     return clearing;
 }
@@ -80,11 +81,10 @@ static void precompute_one(struct precompute_loop *loop, size_t entry,
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
     float margin = clearing->radius - sqrtf(v3_dist2(query.p, clearing->p));
-    if (what->area && !(disc.r <= margin && v3_dot(query.n, clearing->n) > 0.9f)) {
+    if (what->area && !query.own && !(disc.r <= margin && v3_dot(query.n, clearing->n) > 0.9f)) {
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, &disc);
     }
-    what->map->whole_disc[entry] = !disc.corrected;
     const rgb E = photon_disc_irradiance(&disc);
     // If the map has fewer than k photons, the radius is infinite and the estimate not reliable.
     const bool valid = rgb_finite(E) && disc.r >= 0.0f;
@@ -93,6 +93,8 @@ static void precompute_one(struct precompute_loop *loop, size_t entry,
     if (loop->out->last) loop->out->last[entry] = valid ? photon_disc_last(&disc) : rgb_grey(0.0f);
     if (loop->out->bounces) loop->out->bounces[entry] = (uint8_t)photon_disc_bounces(&disc);
     loop->out->radius[entry] = valid ? disc.r : INFINITY;
+    if (query.own) return;  // these are known
+    what->map->whole_disc[entry] = !disc.corrected;
     loop->out->position.clear[entry] = photon_disc_clear(&disc);
 }
 
@@ -233,6 +235,9 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     if (map->whole_disc && r.position.row && r.E && r.radius && (r.ring || r.ends) &&
         r.position.clear && (r.last || r.bounces || !map->limited)) {
         status = r.ends ? photon_map_find_radii(map, what->k, pool) : SATIN_OK;
+        if (r.ends && status == SATIN_OK)
+            status = photon_own_areas_find(map, what->scene, what->kernel, what->area, pool,
+                                           r.position.clear);
         if (status == SATIN_OK) status = precompute_entries(what, pool, &r);
     }
     if (status == SATIN_OK && !index_rows(what, pool, &r))

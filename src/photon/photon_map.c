@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photon map. Photons are sorted in Morton order, so that neighbours are neighbours in
 // memory too, and every 8th of them is a uniform selection.
-#include "photon/photon_map.h"
+#include "photon/photon_own_area.h"
 
 #include <stdlib.h>
 
@@ -98,12 +98,14 @@ void photon_map_free(struct photon_map *map) {
     free(map->photon);
     free(map->whole_disc);
     free(map->radius2);
+    free(map->own);
     *map = (struct photon_map){0};
 }
 
 size_t photon_map_bytes(const struct photon_map *map) {
     size_t bytes = map->count * (3 * sizeof *map->position + sizeof *map->photon);
     if (map->radius2) bytes += map->count * sizeof *map->radius2;
+    if (map->own) bytes += map->count * sizeof *map->own;
     return bytes + (map->whole_disc ? map->count / map->stride : 0) +
            photon_index_bytes(map->index);
 }

@@ -99,6 +99,7 @@ struct photon_map {
     uint8_t *whole_disc;  // of every stride-th photon: whether no edge or wall cuts its disc
     size_t stride;
     float *radius2;               // of each photon's own disc, squared; NULL: not known
+    struct photon_own_area *own;  // of that disc; NULL: not known
     bool limited;                 // whether the number of bounces of photons is limited
     float radius_max;             // largest radius of an estimate
     struct photon_morton morton;  // the order in which the photons are sorted
@@ -157,9 +158,15 @@ struct photon_area {
     bool whole_disc;              // whether the surface covers the whole disc
 };
 
-// `key` rotates the sectors, so that no direction is preferred.
-void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
+void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r,
                       struct photon_area *out);
+// The rotation of the first sector around p in radians, by the bits of p: no direction is
+// preferred.
+float photon_area_rotation(vec3 p);
+// The real number in [0, AREA_SECTORS] of the sector in which (x, y) is, in the frame of an area.
+float photon_area_sector(float x, float y, float rotation);
+// The largest 1 / extent, at least 1.
+float photon_area_inverse(const struct photon_area *area);
 // Whether the surface covers the whole disc; fast if it does not.
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r);
 // The height above a photon's plane from which the surface around it is searched: above ripples,
@@ -193,10 +200,10 @@ struct photon_disc {
     const int *row;
     const float *distance2;
     float r, r2;     // its radius, and squared; 0: no photons
-    float scale;     // 1 / (area of the surface in the disc) [m^-2]
+    float scale;     // 1 / (area of the surface in the disc) [m^-2]; not used if `own`
     bool corrected;  // whether photons count only inside `area`
     struct photon_area area;
-    const float *radius2;  // as in photon_query
+    bool own;  // whether photons are distributed over their own discs, as in photon_query
 };
 
 // The input of a disc.
@@ -207,7 +214,8 @@ struct photon_query {
     int k;
     enum photon_kernel kernel;
     enum photon_correction { AREA_WHOLE = 0, AREA_IF_NEEDED, AREA_MEASURED } correction;
-    const float *radius2;  // map->radius2; NULL: the kernel has the radius of the disc
+    bool own;  // whether each photon's kernel has the radius and the area of its own disc, which
+               // must be known; otherwise it has those of the disc of the query
 };
 
 // The squared radius of the disc of k rows that photon_index_nearest found: that of the outermost
@@ -218,6 +226,9 @@ float photon_radius2(const struct photon_map *map, const int *row, const float *
 // measures the width of the estimate independently of its value. If there are fewer than 2 k
 // photons, it is the radius of the disc itself.
 float photon_ring_radius(int *row, float *distance2, int k);
+// Searches the photons of a query and makes their disc; row and distance2 have PHOTON_K_MAX items.
+void photon_disc_find(const struct photon_query *query, int *row, float *distance2,
+                      struct photon_disc *out);
 // Makes the disc of the k rows that photon_index_nearest found for the query.
 void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
                       struct photon_disc *out);
@@ -250,6 +261,10 @@ static inline struct photon_reflection photon_reflection_make(const struct frame
 // The radiance that the point reflects. Photons carry flux per geometric area, while reflection is
 // by the cosine to the shading normal.
 rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_reflection *at);
+// The radiance by the photons of a query. *radius is set to that of their disc and *E, if not NULL,
+// to their irradiance.
+rgb photon_disc_estimate(const struct photon_query *query, const struct photon_reflection *at,
+                         float *radius, rgb *E);
 // That part of the irradiance whose photons have bounced as often as they may.
 rgb photon_disc_last(const struct photon_disc *disc);
 // The variance of the irradiance, summed over the channels: the sum of the squares.

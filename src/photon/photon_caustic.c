@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Caustics at a point, from the caustic map: the precomputed irradiance of the nearest photon, or a
+// density estimate at the point where that does not describe it. What a lobe reflects also depends
+// on the directions of light: those of all photons of the estimate where the eye sees the point,
+// those of a few photons at the hit of a gather ray. Lookups that would add little are made with a
+// smaller probability.
+#include "photon/photon_map.h"
+
+// Limit of smoothed irradiance over that estimated at the point, and of its inverse.
+#define RATIO_MOST 2.0f
+
+// How the caustic map is read at a point.
+enum map_read {
+    READ_ENTRY,   // from the nearest entry
+    READ_SPARSE,  // by an estimate at the point, as the nearest entry has fewer than k photons
+    READ_POINT    // by an estimate at the point, as the nearest entry is behind a wall, or has
+                  // photons that have bounced too often
+};
+
+// Reads the precomputed irradiance of the caustic map. An estimate of all photons within the
+// largest radius has their energy if it is made at every point, but not if it is read from the
+// nearest photon: of light that fades between sparse photons half was lost.
+static enum map_read precomputed(const struct photon_maps *maps, const struct satin_scene *scene,
+                                 vec3 p, vec3 ng, int bounces, rgb *E, int *entry) {
+    const struct photon_irradiance *r = &maps->caustic_irradiance;
+    *E = rgb_grey(0.0f);
+    *entry = photon_irradiance_entry(r, p, ng);
+    if (*entry < 0) return READ_ENTRY;
+    if (r->bounces && bounces >= 0 && r->bounces[*entry] > bounces) return READ_POINT;
+    if (!maps->caustic.whole_disc[*entry] && !photon_irradiance_visible(r, scene, *entry, p, ng))
+        return READ_POINT;
+    const bool sparse = photon_irradiance_sparse(r, *entry);
+    *E = sparse ? r->E[*entry] : photon_irradiance_value(r, *entry, p);
+    return sparse ? READ_SPARSE : READ_ENTRY;
+}
+
+// The factor that removes the noise of an estimate: the smoothed irradiance over that estimated at
+// the point. A channel without light stays black.
+static float smoothing_factor(float smoothed, float estimated) {
+    return estimated > 0.0f ? clampf(smoothed / estimated, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
+}
+
+// The probability of looking up a caustic of about this irradiance. A low-frequency lobe reflects
+// at most some ten times as much of it as of the light beside it (LOBE), a diffuse one as much of
+// both (DIFFUSE). If a caustic of less than a fifth of the light beside it is looked up with five
+// times that fraction as the probability, the variance that this adds is less than a fifth of it
+// times the square of all light.
+#define DIFFUSE_LOOKUPS 5.0f
+#define LOBE_LOOKUPS 50.0f
+static float lookup_probability(rgb E, struct photon_other_light other, float lookups) {
+    if (!(other.L > 0.0f)) return 1.0f;
+    return clampf(lookups * rgb_luminance(E) / (PI_F * other.L), 0.1f, 1.0f);
+}
+
+static struct photon_query caustic_query(const struct photon_maps *maps,
+                                         const struct satin_scene *scene, vec3 p, vec3 ng) {
+    return (struct photon_query){&maps->caustic,  scene,           p,          ng,
+                                 maps->caustic_k, KERNEL_PARABOLA, AREA_WHOLE, true};
+}
+
+// The photons beside an entry in Morton order, and itself. They are some of those around it, and no
+// search is needed to find them.
+enum { NEIGHBOURS = 16, NEIGHBOURS_LEAST = 4 };
+
+// The radiance that a point reflects of an entry's irradiance E, by the directions of photons
+// beside the entry. False if these are too few.
+static bool reflect_entry(const struct photon_maps *maps, int entry, rgb E, vec3 p, vec3 ng,
+                          const struct photon_reflection *at, rgb *out) {
+    const struct photon_map *map = &maps->caustic;
+    int row[NEIGHBOURS], counted = 0;
+    float distance2[NEIGHBOURS];
+    const float r = maps->caustic_irradiance.radius[entry];
+    struct photon_disc disc = {.map = map,
+                               .p = p,
+                               .n = ng,
+                               .kernel = KERNEL_PARABOLA,
+                               .row = row,
+                               .distance2 = distance2,
+                               .r = r,
+                               .r2 = r * r,
+                               .own = true};
+    const size_t begin = entry > NEIGHBOURS / 2 ? (size_t)entry - NEIGHBOURS / 2 : 0;
+    for (size_t i = begin; i < map->count && disc.count < NEIGHBOURS; i++) {
+        row[disc.count] = (int)i;
+        distance2[disc.count++] = v3_dist2(photon_position(map, i), p);
+    }
+    for (int i = 0; i < disc.count; i++) counted += photon_disc_weight(&disc, i) > 0.0f;
+    if (counted < NEIGHBOURS_LEAST) return false;
+    const rgb beside = photon_disc_irradiance_within(&disc, at->bounces),
+              L = photon_disc_radiance(&disc, at);
+    *out = rgb_make(beside.r > 0.0f ? L.r * E.r / beside.r : 0.0f,
+                    beside.g > 0.0f ? L.g * E.g / beside.g : 0.0f,
+                    beside.b > 0.0f ? L.b * E.b / beside.b : 0.0f);
+    return true;
+}
+
+static struct photon_reflection caustic_reflection(const struct shading_point *point,
+                                                   const struct photon_caustic_limits *limits) {
+    struct photon_reflection at =
+        photon_reflection_make(&point->frame, &point->brdf, point->wo_l, limits->lobes);
+    at.pdf_most = limits->pdf_most;
+    if (limits->bounces >= 0) at.bounces = limits->bounces;
+    return at;
+}
+
+rgb photon_caustic_at_hit(const struct photon_maps *maps, const struct satin_scene *scene,
+                          const struct shading_point *point,
+                          const struct photon_caustic_limits *limits,
+                          struct photon_other_light other) {
+    if (maps->caustic.count == 0 || limits->bounces == 0) return rgb_grey(0.0f);
+    const vec3 p = point->interaction.p, ng = point->ng;
+    rgb E, L;
+    int entry;
+    const enum map_read source = precomputed(maps, scene, p, ng, limits->bounces, &E, &entry);
+    if (source == READ_ENTRY && rgb_black(E)) return E;
+    const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other, LOBE_LOOKUPS);
+    if (!(other.u < chance)) return rgb_grey(0.0f);
+    const struct photon_reflection at = caustic_reflection(point, limits);
+    if (source != READ_ENTRY || !reflect_entry(maps, entry, E, p, ng, &at, &L)) {
+        const struct photon_query query = caustic_query(maps, scene, p, ng);
+        float radius;
+        L = photon_disc_estimate(&query, &at, &radius, NULL);
+    }
+    return rgb_scale(L, 1.0f / chance);
+}
+
+rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene,
+                   const struct shading_point *point, const struct photon_caustic_limits *limits,
+                   struct photon_other_light other) {
+    if (maps->caustic.count == 0 || limits->bounces == 0) return rgb_grey(0.0f);
+    const struct brdf *brdf = &point->brdf;
+    const vec3 p = point->interaction.p, ng = point->ng, wo = point->wo_l;
+    rgb E, estimated;
+    float radius;
+    int entry;
+    const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
+    enum map_read source = READ_POINT;
+    if (maps->area && (diffuse || maps->smooth))
+        source = precomputed(maps, scene, p, ng, limits->bounces, &E, &entry);
+    if (source == READ_ENTRY && diffuse)
+        return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), limits->lobes), E);
+    if (source == READ_ENTRY && rgb_black(E)) return E;
+    const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other, LOBE_LOOKUPS);
+    if (!(other.u < chance)) return rgb_grey(0.0f);
+    const struct photon_query query = caustic_query(maps, scene, p, ng);
+    const struct photon_reflection at = caustic_reflection(point, limits);
+    const rgb L = rgb_scale(photon_disc_estimate(&query, &at, &radius, &estimated), 1.0f / chance);
+    if (source != READ_ENTRY) return L;
+    return rgb_make(L.r * smoothing_factor(E.r, estimated.r),
+                    L.g * smoothing_factor(E.g, estimated.g),
+                    L.b * smoothing_factor(E.b, estimated.b));
+}
+
+rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
+                              vec3 p, vec3 n, int bounces, struct photon_other_light other) {
+    if (maps->caustic.count == 0 || bounces == 0) return rgb_grey(0.0f);
+    rgb E;
+    int entry;
+    const enum map_read source = precomputed(maps, scene, p, n, bounces, &E, &entry);
+    if (source == READ_ENTRY) return E;
+    const float chance =
+        source == READ_SPARSE ? lookup_probability(E, other, DIFFUSE_LOOKUPS) : 1.0f;
+    if (!(other.u < chance)) return rgb_grey(0.0f);
+    const struct photon_query query = caustic_query(maps, scene, p, n);
+    struct photon_disc disc;
+    int row[PHOTON_K_MAX];
+    float distance2[PHOTON_K_MAX];
+    photon_disc_find(&query, row, distance2, &disc);
+    if (bounces < 0) bounces = PHOTON_BOUNCES_MOST;
+    return rgb_scale(photon_disc_irradiance_within(&disc, bounces), 1.0f / chance);
+}
