@@ -16,7 +16,7 @@
 enum {
     RADIUS_NODES = 256,   // isotropic: a node every half degree at normal incidence
     QUADRANT_NODES = 65,  // anisotropic, per side
-    // The steps of the coarsest grids. Of 4,000 directions of each of 30 lobes, none that is
+    // The steps of the coarsest grids. Of 4,000 directions of each of 37 lobes, none that is
     // represented was skipped.
     RADIUS_COARSEST = 16,
     QUADRANT_COARSEST = 8
