@@ -11,6 +11,7 @@ import pathlib
 import sys
 
 import cases
+import caustics
 import figures
 from parts import (area_light, box, camera_path, diffuse, element, lathe, number, plugin, real,
                    rectangle, ref, rgb, scene, sensor, sphere, to_world, translate, triple, tube,
@@ -257,6 +258,7 @@ def files():
     out["two-rooms.toml"] = walk().encode()
     out["meshes/vase.ply"] = vase_mesh()
     out.update(cases.files())
+    out.update(caustics.files())
     out.update(figures.files())
     return out
 
