@@ -109,6 +109,18 @@ struct gather_met_light {
 struct gather_met_light gather_meet_light(const struct gather *g, const struct light_chain *chain,
                                           vec3 d, const vec3 *from, const struct interaction *hit);
 
+// Light that ideal specular surfaces send to a sampled glossy lobe is from caustic photons, except
+// in directions that the lobe draws with a larger density [sr^-1], as few photons come from there.
+// A small lamp behind curved glass is hardly ever met by following a wide lobe: with 3, single rays
+// are most of some records (docs/experiments.md).
+#define GATHER_CAUSTIC_PDF_MOST 100.0f
+// Whether caustic photons have the light that specular surfaces send to the glossy lobe of y from
+// the local direction wi. The inside of a surface that transmits has no photons.
+static inline bool gather_has_caustic_photons(const struct shading_point *y, vec3 wi) {
+    return y->wo_l.z > 0.0f && wi.z > 0.0f &&
+           !brdf_is_sharp(&y->brdf, y->wo_l, wi, GATHER_CAUSTIC_PDF_MOST);
+}
+
 // The first surface that a ray hits.
 struct gather_first {
     float r;  // its distance; INFINITY if there is none

@@ -28,12 +28,6 @@ enum {
     VERTICES = DIFFUSE_MAX + SATIN_RECURSIVE_BOUNCES_MAX + 1
 };
 
-// Light that ideal specular surfaces send to glossy lobes is from caustic photons, except in
-// directions that the lobe draws with a larger density [sr^-1], as few photons come from there. A
-// small lamp behind curved glass is hardly ever met by following a wide lobe: with 3, single rays
-// are most of some records (docs/experiments.md).
-static const float GLOSSY_PDF_MOST = 100.0f;
-
 // Lobes that are followed by a segment separate from that of the diffuse lobe.
 static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 
@@ -152,7 +146,8 @@ static rgb glossy_caustic(const struct path *path, const struct path_vertex *v,
     if (!(u < 1.0f && v->y->wo_l.z > 0.0f)) return rgb_grey(0.0f);
     const struct photon_other_light other = {rgb_luminance(v->L) / fmaxf(rgb_max(albedo), 1e-6f),
                                              u};
-    const struct photon_caustic_limits limits = {branch.lobes & BRDF_GLOSSY, GLOSSY_PDF_MOST,
+    const struct photon_caustic_limits limits = {branch.lobes & BRDF_GLOSSY,
+                                                 GATHER_CAUSTIC_PDF_MOST,
                                                  photon_bounces_left(v->g->options, v->depth)};
     return rgb_scale(photon_caustic_at_hit(v->g->maps, v->g->scene, v->y, &limits, other),
                      1.0f / branch.probability);
@@ -243,14 +238,6 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
                                     gather_direct_known(g, entry), 1};
 }
 
-// Whether caustic photons at y have the light that specular surfaces send from the direction wi,
-// which was drawn from `lobes`. The inside of a surface that transmits has no photons.
-static bool has_caustic_photons(const struct shading_point *y, unsigned lobes, vec3 wi) {
-    if (lobes == BRDF_DIFFUSE) return true;
-    return y->wo_l.z > 0.0f && wi.z > 0.0f &&
-           !brdf_is_sharp(&y->brdf, y->wo_l, wi, GLOSSY_PDF_MOST);
-}
-
 // Follows a branch from v by one segment. True if it ends at a surface, which becomes the vertex
 // after v. Emitted light on the way is weighted against the light samples of v. After specular
 // surfaces it counts only where the caustic photons of v leave it out.
@@ -272,7 +259,7 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     if (segment.light_pdf > 0.0f)
         z->Le = rgb_scale(rgb_mul(weight, segment.Le),
                           mis_power(branch.ratio * next.pdf_w, segment.light_pdf));
-    if (!has_caustic_photons(v->y, branch.lobes, next.wi))
+    if (branch.lobes != BRDF_DIFFUSE && !gather_has_caustic_photons(v->y, next.wi))
         z->Le = rgb_fma(z->Le, weight, segment.Le_specular);
     const int depth = v->depth + segment.specular + 1;
     if (!found || !gather_within_depth(v->g, depth, 1)) {

@@ -102,11 +102,12 @@ struct lobe_sampling {
     uint64_t stream;     // of random decisions at the hits
 };
 
-// Rays that are drawn, and for each the factor of its light, that of the diffuse lobe alone, and
-// its density.
+// Rays that are drawn, and for each the factor of its light, that of the diffuse lobe alone, that
+// of what caustic photons leave out, and its density.
 struct drawn_rays {
     struct gather_ray ray[SATIN_GLOSSY_SAMPLES_MAX];
-    rgb weight[SATIN_GLOSSY_SAMPLES_MAX], diffuse[SATIN_GLOSSY_SAMPLES_MAX];
+    rgb weight[SATIN_GLOSSY_SAMPLES_MAX], diffuse[SATIN_GLOSSY_SAMPLES_MAX],
+        caustic[SATIN_GLOSSY_SAMPLES_MAX];
     float pdf[SATIN_GLOSSY_SAMPLES_MAX];
 };
 
@@ -151,13 +152,15 @@ static int draw_rays(const struct shade_lighting *lighting, const struct lobe_sa
             .lit = &p->interaction.p};
         out->weight[rays] = b.weight;
         out->diffuse[rays] = diffuse_weight(p, &b, by->lobes);
+        const rgb glossy = rgb_sub(b.weight, out->diffuse[rays]);
+        out->caustic[rays] = gather_has_caustic_photons(p, b.wi) ? rgb_grey(0.0f) : glossy;
         out->pdf[rays++] = b.pdf_w;
     }
     return rays;
 }
 
 // Importance sampling by gather rays. If by->finding > 0 they also find lights, weighted against
-// light samples, and emitted light through specular surfaces.
+// light samples, and emitted light through specular surfaces that caustic photons leave out.
 static void sample_lobes(struct shade_lighting *lighting, const struct lobe_sampling *by) {
     const struct gather *g = lighting->shade->g;
     struct drawn_rays drawn;  // not initialised as a whole, as few are used
@@ -176,7 +179,7 @@ static void sample_lobes(struct shade_lighting *lighting, const struct lobe_samp
         if (ray->light_pdf > 0.0f)
             direct = rgb_fma(direct, weight,
                              rgb_scale(ray->Le, mis_power(ratio * drawn.pdf[i], ray->light_pdf)));
-        caustic = rgb_fma(caustic, weight, ray->Le_specular);
+        caustic = rgb_fma(caustic, drawn.caustic[i], ray->Le_specular);
         diffuse = rgb_fma(diffuse, of_diffuse, ray->L);
         glossy = rgb_fma(glossy, rgb_sub(weight, of_diffuse), ray->L);
     }
@@ -233,7 +236,8 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
                               lighting->vertex->pixel))
         lighting->out->record = 1.0f;
 
-    const unsigned caustic = plan.cached | plan.diffuse;
+    const unsigned sampled_caustic = p->wo_l.z > 0.0f ? plan.sampled & ~BRDF_THROUGH : 0u;
+    const unsigned caustic = plan.cached | plan.diffuse | sampled_caustic;
     struct sampler apart = lighting->sampler;
     apart.dimension += 32;  // beyond those that the lobes below use
     const float u_caustic = sampler_1d(&apart);
@@ -249,7 +253,8 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
         sample_lobes(lighting, &by);
     }
     const struct photon_other_light other = {added_luminance(lighting) - before, u_caustic};
-    const struct photon_caustic_limits limits = {caustic, INFINITY,
+    const float pdf_most = plan.sampled & BRDF_GLOSSY ? GATHER_CAUSTIC_PDF_MOST : INFINITY;
+    const struct photon_caustic_limits limits = {caustic, pdf_most,
                                                  photon_bounces_left(o, lighting->vertex->depth)};
     if (caustic)
         shade_add_uncached(lighting, SHADE_CAUSTIC,

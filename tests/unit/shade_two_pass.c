@@ -35,6 +35,21 @@ static const char SHADE_TWO_PASS_SPOT[] = SHADE_TWO_PASS_BOX
     "<float name='cutoff_angle' value='5'/><rgb name='intensity' value='100, 100, 100'/></emitter>"
     "</scene>";
 
+// A box with walls of a glossy lobe alone around a lamp in a glass ball, whose reflection is seen.
+static const char SHADE_TWO_PASS_BULB[] =
+    "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='4'/>"
+    "<transform name='to_world'><lookat origin='-.7, -.8, .2' target='.5, 1.8, 0' up='0, 0, 1'/>"
+    "</transform><film type='hdrfilm'><integer name='width' value='2'/>"
+    "<integer name='height' value='2'/><rfilter type='box'/></film></sensor>"
+    "<shape type='cube'><boolean name='flip_normals' value='true'/><bsdf type='phong'>"
+    "<rgb name='diffuse_reflectance' value='0'/><rgb name='specular_reflectance' value='.6'/>"
+    "<float name='exponent' value='30'/></bsdf></shape>"
+    "<shape type='sphere'><point name='center' x='.5' y='.2' z='0'/>"
+    "<float name='radius' value='.3'/><bsdf type='dielectric'/></shape>"
+    "<shape type='sphere'><point name='center' x='.5' y='.2' z='0'/>"
+    "<float name='radius' value='.15'/><bsdf type='diffuse'/>"
+    "<emitter type='area'><rgb name='radiance' value='1'/></emitter></shape></scene>";
+
 enum { SAMPLES = 1 << 14 };
 
 struct shade_two_pass_room {
@@ -45,16 +60,16 @@ struct shade_two_pass_room {
     struct cache_tables tables;
 };
 
-static void shade_two_pass_make(struct shade_two_pass_room *room, const char *xml) {
+static void shade_two_pass_make(struct shade_two_pass_room *room, const char *xml, int max_depth) {
     struct scene_case c;
     *room = (struct shade_two_pass_room){.scene = scene_case_load(&c, xml),
                                          .options = satin_options_default};
     if (!room->scene) fail_msg("%s", c.error);
     satin_options *o = &room->options;
     o->width = o->height = 2;
-    o->max_depth = -1;
+    o->max_depth = max_depth;
     o->photons = 20000;
-    o->caustic_photons = 0;
+    o->caustic_photons = max_depth < 0 ? 0 : 400000;
     o->light_samples = 1;
     o->spp = SAMPLES;
     room->pool = parallel_new(1);
@@ -111,7 +126,7 @@ static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_tw
 static void single_rays_have_the_mean_of_hemispheres(void **state) {
     (void)state;
     struct shade_two_pass_room room;
-    shade_two_pass_make(&room, SHADE_TWO_PASS_POINT);
+    shade_two_pass_make(&room, SHADE_TWO_PASS_POINT, -1);
     // One ray per sample with a time limit, else eight.
     satin_options timed = room.options, off = room.options;
     timed.time = 1.0;
@@ -137,7 +152,7 @@ static void single_rays_have_the_mean_of_hemispheres(void **state) {
 static void rays_to_clusters_have_the_mean_and_less_noise(void **state) {
     (void)state;
     struct shade_two_pass_room room;
-    shade_two_pass_make(&room, SHADE_TWO_PASS_SPOT);
+    shade_two_pass_make(&room, SHADE_TWO_PASS_SPOT, -1);
     satin_options alone = room.options;
     alone.guide_clusters = false;
     const struct shade_two_pass_pixel with = shade_two_pass_pixel_of(&room, &room.options);
@@ -158,10 +173,45 @@ static void rays_to_clusters_have_the_mean_and_less_noise(void **state) {
     destroy(&room);
 }
 
+// Sampled lobes show light through glass by caustic photons: with a longest path of three segments,
+// that is all that path tracing finds by chance, and without its noise.
+static void sampled_lobes_read_caustic_photons(void **state) {
+    (void)state;
+    struct shade_two_pass_room room;
+    shade_two_pass_make(&room, SHADE_TWO_PASS_BULB, 3);
+    cache_tables_free(&room.tables);
+    const struct shade_two_pass_pixel found = shade_two_pass_pixel_of(&room, &room.options);
+    satin_options by_path = room.options;
+    by_path.integrator = SATIN_PATH;
+    const struct gather g = gather_make(room.scene, &by_path, NULL);
+    struct shade shade;
+    assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &room.tables, &by_path),
+                                render_budget_missing(&by_path, 0.0), room.pool),
+                     SATIN_OK);
+    struct shade_worker worker = {.gather = shade.worker[0]};
+    shade_pixel_begin(&worker);
+    double expected = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        struct shade_sample s;
+        shade_pixel(&shade, &worker, 0, 1, i, (struct gather_light_samples){1, i}, &s);
+        const double L = (double)rgb_luminance(s.uncached);
+        expected += L / SAMPLES;
+        squares += L * L / SAMPLES;
+    }
+    shade_destroy(&shade);
+    const double deviation = sqrt(squares - expected * expected);
+    print_message("%f +- %f by photons, %f +- %f by paths\n", found.layer[SHADE_CAUSTIC],
+                  found.deviation[SHADE_CAUSTIC], expected, deviation);
+    assert_true(fabs(found.layer[SHADE_CAUSTIC] / expected - 1.0) < 0.05);
+    assert_true(found.deviation[SHADE_CAUSTIC] < 0.5 * deviation);
+    destroy(&room);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(single_rays_have_the_mean_of_hemispheres),
         cmocka_unit_test(rays_to_clusters_have_the_mean_and_less_noise),
+        cmocka_unit_test(sampled_lobes_read_caustic_photons),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
