@@ -31,7 +31,8 @@ typedef enum satin_first_pass {
     SATIN_FIRST_PHOTONS,          // density estimate at every hit
     SATIN_FIRST_PATH,             // path tracing from the hit
     SATIN_FIRST_NONE,             // direct light at the hit only
-    SATIN_FIRST_RECURSIVE         // direct light, and records of the next bounce
+    SATIN_FIRST_RECURSIVE,        // direct light, and records of the next bounce
+    SATIN_FIRST_REVERSE           // as precomputed, with photons that are traced in batches
 } satin_first_pass;
 
 typedef enum satin_basis { SATIN_HSH = 0, SATIN_SH } satin_basis;
@@ -94,6 +95,7 @@ typedef struct satin_options {
     // First pass.
     int64_t photons;          // photon paths emitted for the global map
     int64_t caustic_photons;  // photon paths emitted for the caustic map
+    int64_t photon_batch;     // photon paths that first pass `reverse` traces at a time
     int photon_k;             // photons in a density estimate of the global map
     int caustic_k;            // photons in a density estimate of the caustic map
     bool caustic_smooth;      // removes the noise of photons from caustics

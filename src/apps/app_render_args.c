@@ -81,7 +81,7 @@ const struct app_flag app_render_flags[] = {
     {"--quality", NULL, "draft|preview|production", "Preset; single options override it."},
     {"--integrator", NULL, "two-pass|path|direct|photons", "How light is computed."},
     {"--first-pass", NULL, "NAME",
-     "What gather rays read: precomputed, photons, path, none, recursive."},
+     "What gather rays read: precomputed, reverse, photons, path, none, recursive."},
     {"--spp", NULL, "N", "Samples per pixel."},
     {"--width", NULL, "W", "Film width in pixels."},
     {"--height", NULL, "H", "Film height in pixels."},

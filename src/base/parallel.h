@@ -101,6 +101,11 @@ satin_status parallel_status(const struct parallel *pool);
 // that other chunks of the loop write.
 bool parallel_for_results(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
                           void *ctx, const struct parallel_results *results);
+// Takes the results of a loop from the journal, which saves what only chunks of that loop need.
+// False if the journal does not have them: then parallel_for_results is to be called for the loop.
+// If it has, parallel_status reports whether they could be read.
+bool parallel_read_results(struct parallel *pool, size_t n, size_t chunk_size, void *ctx,
+                           const struct parallel_results *results);
 // What the ranks have exchanged so far.
 struct parallel_traffic {
     double loops;    // that were divided

@@ -236,14 +236,27 @@ static void write_down(const struct results_loop *loop) {
     bytes_free(&bytes);
 }
 
+static struct results_loop loop_of(struct parallel *pool, size_t n, size_t chunk_size, void *ctx,
+                                   const struct parallel_results *results) {
+    if (chunk_size == 0) chunk_size = 1;
+    const size_t chunks = n / chunk_size + (n % chunk_size != 0);
+    return (struct results_loop){pool, n, chunk_size, chunks, ctx, results};
+}
+
+bool parallel_read_results(struct parallel *pool, size_t n, size_t chunk_size, void *ctx,
+                           const struct parallel_results *results) {
+    if (n == 0 || !results->journaled || !pool->division.has_journal) return false;
+    const struct results_loop loop = loop_of(pool, n, chunk_size, ctx, results);
+    return read_back(&loop);
+}
+
 bool parallel_for_results(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
                           void *ctx, const struct parallel_results *results) {
     if (n == 0) return true;
-    if (chunk_size == 0) chunk_size = 1;
-    const size_t chunks = n / chunk_size + (n % chunk_size != 0);
-    const struct results_loop loop = {pool, n, chunk_size, chunks, ctx, results};
+    if (parallel_read_results(pool, n, chunk_size, ctx, results))
+        return pool->division.status == SATIN_OK;
+    const struct results_loop loop = loop_of(pool, n, chunk_size, ctx, results);
     const bool journaled = results->journaled && pool->division.has_journal;
-    if (journaled && read_back(&loop)) return pool->division.status == SATIN_OK;
     const bool whole = run_loop(&loop, fn);
     if (journaled && whole) write_down(&loop);
     return whole;

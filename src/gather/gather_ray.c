@@ -36,7 +36,7 @@ static rgb density_irradiance(const struct gather *g, const struct gather_hit *h
 
 // Finds E and radius of `count` hits, by a common lookup or by an estimate for each.
 static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
-    const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
+    const bool precomputed = photon_precomputes(g->options);
     for (size_t i = 0; i < count; i++) {
         const struct shading_point *y = &hits->hit[i].point;
         hits->p[i] = y->interaction.p;

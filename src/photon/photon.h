@@ -25,6 +25,7 @@ struct photon_maps;
 struct photon_paths {
     int seen;           // at least 1 and at most GUIDE_SEEN_PATHS_MAX
     uint64_t global;    // the global map
+    uint64_t batch;     // of these, the most that are traced at a time
     uint64_t clusters;  // the search for photon clusters; 0: there are no clusters
     uint64_t direct;    // direct photons, which show lit patches between the entries of irradiance
     uint64_t caustic;   // the caustic map
@@ -100,10 +101,18 @@ rgb photon_irradiance_of_entry(const struct photon_maps *maps, size_t entry);
 // The mean area in which an entry is the nearest one, from the distances of the entries around it
 // [square of the unit of length].
 float photon_irradiance_area(const struct photon_maps *maps, size_t entry);
+// Whether gather rays read the entries of irradiance.
+static inline bool photon_precomputes(const satin_options *o) {
+    return o->integrator == SATIN_TWO_PASS &&
+           (o->first_pass == SATIN_FIRST_PRECOMPUTED || o->first_pass == SATIN_FIRST_REVERSE);
+}
+// Whether photons are traced in batches, of which each is added to the entries.
+static inline bool photon_streams(const satin_options *o) {
+    return o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_REVERSE;
+}
 // Whether gather rays read direct light that was precomputed at the entries.
 static inline bool photon_precomputes_direct(const satin_options *o) {
-    return o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
-           o->gather_direct;
+    return photon_precomputes(o) && o->gather_direct;
 }
 // The direct photons in that area: the sum of their power [W] in luminance, and the sum of its
 // squares. There are none unless options->gather_direct was set when the maps were built.

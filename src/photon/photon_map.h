@@ -79,6 +79,7 @@ struct photon_tracing {
     // Caustic pass: where paths start, and how many; paths end at their first smooth scattering.
     // NULL: a pass for all photons.
     const struct guide_emission *emission;
+    bool passing;  // photons are not written to the journal
 };
 
 // Traces the paths of all consumers and sets out[i] to the photons of consumer i. On failure,
@@ -338,6 +339,22 @@ void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
 // As photon_irradiance_area.
 float photon_irradiance_entry_area(const struct photon_irradiance *irradiance, size_t entry);
+
+// ---- Batches of photons (photon_reverse.c) ------------------------------------------------------
+
+// All batches of first pass `reverse`.
+struct photon_reverse {
+    const struct photon_tracing *tracing;  // of the first batch
+    uint64_t paths, batches;               // of all batches; the number of batches, at least 1
+};
+// The number of paths of a batch.
+uint64_t photon_reverse_paths(const struct photon_reverse *what, uint64_t batch);
+// Traces all batches but the first one, whose map is `first`, and adds them to the irradiance that
+// was computed from it, which becomes that of all photons. Frees the map, and adds to the
+// statistics photons.*. After SATIN_CANCELLED or SATIN_ERROR_MEMORY, the irradiance is of no use.
+satin_status photon_reverse_add(const struct photon_reverse *what, struct photon_map *first,
+                                struct parallel *pool, struct log log, struct stats *stats,
+                                struct photon_irradiance *irradiance);
 
 // ---- Lookups of entries (photon_lookup.c) -------------------------------------------------------
 

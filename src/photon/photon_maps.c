@@ -31,6 +31,8 @@ struct photon_pass {
     struct stats *stats;
     struct guide_seen boxes;  // of what the eye sees
     struct guide_allocation allocation;
+    struct photon_tracing tracing;  // of the global map
+    struct photon_reverse reverse;  // one batch: all photons are in the map
 };
 
 // The maximum lookup radius over the median length of gather rays: a wider lookup blurs a large
@@ -81,14 +83,17 @@ static satin_status build_clusters(const struct photon_pass *pass, const struct 
 
 // Builds the global map and the photon clusters; sets *direct to the direct photons, which the
 // caller frees.
-static satin_status trace_global(const struct photon_pass *pass, struct photon_maps *maps,
+static satin_status trace_global(struct photon_pass *pass, struct photon_maps *maps,
                                  struct photon_trace *direct) {
     const satin_options *o = pass->options;
     const bool whole = o->integrator == SATIN_PHOTONS, bounced = o->gather_direct && !whole;
-    const struct photon_tracing tracing = {
+    const uint64_t all = pass->paths.global, most = pass->paths.batch;
+    pass->reverse = (struct photon_reverse){&pass->tracing, all,
+                                            most > 0 && most < all ? (all - 1) / most + 1 : 1};
+    pass->tracing = (struct photon_tracing){
         .scene = pass->scene,
         .seed = o->seed,
-        .consumer = {{.paths = pass->paths.global,
+        .consumer = {{.paths = photon_reverse_paths(&pass->reverse, 0),
                       .classes = bounced ? CLASSES_BOUNCED : CLASSES_ALL,
                       .allocation = &pass->allocation},
                      {.paths = pass->paths.clusters, .classes = CLASSES_ALL},
@@ -99,7 +104,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
         .bounces = photon_bounces_left(o, whole ? 1 : 2)};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     satin_status status =
-        photon_map_trace(&tracing, pass->pool, pass->log, pass->stats, &maps->global, trace);
+        photon_map_trace(&pass->tracing, pass->pool, pass->log, pass->stats, &maps->global, trace);
     const double start = stats_wall();
     parallel_begin_part(pass->pool, "clusters");
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
@@ -147,7 +152,7 @@ static float faint_radius(const struct photon_maps *maps, float irradiance) {
     return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
 }
 
-static satin_status build_global(const struct photon_pass *pass, struct photon_maps *maps) {
+static satin_status build_global(struct photon_pass *pass, struct photon_maps *maps) {
     struct photon_trace direct = {0};
     satin_status status = trace_global(pass, maps, &direct);
     if (status == SATIN_OK) status = build_irradiance(pass, maps);
@@ -157,6 +162,9 @@ static satin_status build_global(const struct photon_pass *pass, struct photon_m
             photon_direct_build(maps, pass->scene, &direct, pass->pool, pass->log, &maps->direct);
     photon_trace_free(&direct);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
+    if (status == SATIN_OK && photon_streams(pass->options))
+        status = photon_reverse_add(&pass->reverse, &maps->global, pass->pool, pass->log,
+                                    pass->stats, &maps->irradiance);
     return status;
 }
 

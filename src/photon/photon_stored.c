@@ -14,8 +14,11 @@ enum { PILOT_PATHS = 4096 };
 // Bytes per stored photon at the peak of building a map, measured in corner and cornell-glossy with
 // .4 to 3.4 million photons (92 to 98 in the global map, 97 with integrator photons), and in
 // caustic with .17 million (149 in the caustic map, whose every photon has precomputed irradiance).
-// Integrator sppm has the photons of the first pass, of one and of the next (201).
-static const double GLOBAL_BYTES = 100.0, CAUSTIC_BYTES = 150.0, PASS_BYTES = 210.0;
+// Integrator sppm has the photons of the first pass, of one and of the next (201). A further batch
+// of first pass `reverse` is in memory beside the entries of the first one: 50 more in
+// indirect-room, with 1.2 million photons of a batch.
+static const double GLOBAL_BYTES = 100.0, CAUSTIC_BYTES = 150.0, PASS_BYTES = 210.0,
+                    BATCH_BYTES = 150.0;
 // Photons that are only summed, or sorted into clusters: twice while their chunks are joined.
 static const double HIT_BYTES = 2.0 * sizeof(struct photon_hit);
 
@@ -75,7 +78,9 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
     if (status != SATIN_OK) return status;
     const bool direct = !passes && (!o->gather_direct || shown);
     out->global =
-        stored_per_path(&global, direct ? all : bounced) * (passes ? PASS_BYTES : GLOBAL_BYTES);
+        stored_per_path(&global, direct ? all : bounced) * (passes              ? PASS_BYTES
+                                                            : photon_streams(o) ? BATCH_BYTES
+                                                                                : GLOBAL_BYTES);
     out->clusters = stored_per_path(&global, all) * HIT_BYTES;
     out->direct = stored_per_path(&global, 1 << PHOTON_DIRECT) * HIT_BYTES;
     out->caustic = stored_per_path(&caustic, all) * (passes ? PASS_BYTES : CAUSTIC_BYTES);
@@ -83,6 +88,6 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
 }
 
 double photon_memory_bytes(const struct photon_memory *memory, const struct photon_paths *paths) {
-    return memory->global * (double)paths->global + memory->clusters * (double)paths->clusters +
+    return memory->global * (double)paths->batch + memory->clusters * (double)paths->clusters +
            memory->direct * (double)paths->direct + memory->caustic * (double)paths->caustic;
 }

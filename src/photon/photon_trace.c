@@ -229,7 +229,7 @@ static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_CO
     if (!run->chunk) return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
     const struct parallel_results photons = {
-        .pack = pack_photons, .unpack = unpack_photons, .journaled = true};
+        .pack = pack_photons, .unpack = unpack_photons, .journaled = !run->tracing->passing};
     if (!parallel_for_results(run->pool, paths, run->chunk_paths, trace_photon_paths, run,
                               &photons))
         status = SATIN_CANCELLED;

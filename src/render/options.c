@@ -18,6 +18,7 @@ const satin_options satin_options_default = {
     .adaptive_sampling = true,
     .max_depth = -2,
     .hide_emitters = -1,
+    .photon_batch = 1000000,
     .photon_k = 50,
     .caustic_k = 60,
     .caustic_smooth = true,

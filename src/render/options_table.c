@@ -23,10 +23,13 @@ const struct option options_table[] = {
      "itself "
      "(photons), or stochastic progressive photon mapping, a reference for caustics that path "
      "tracing does not find (sppm)."},
-    {"first-pass", OPTION_CHOICE, AT(first_pass), false, "precomputed|photons|path|none|recursive",
+    {"first-pass", OPTION_CHOICE, AT(first_pass), false,
+     "precomputed|photons|path|none|recursive|reverse",
      "The radiance that a gather ray reads at its hit: from irradiance precomputed at photons "
      "(precomputed), by a density estimate (photons), by path tracing from the hit (path), direct "
-     "light alone (none), or direct light and the records of the next bounce (recursive)."},
+     "light alone (none), or direct light and the records of the next bounce (recursive). With "
+     "reverse, irradiance is precomputed at the first batch of photons, and further batches are "
+     "added to it and freed, so that photons need not fit into memory."},
     {"spp", OPTION_INT, AT(spp), false, "0..1048576",
      "Samples per pixel; of integrator sppm, passes. With 0 a time limit decides; without a time "
      "limit, integrators path and sppm take the scene's number, and the others take 9, 16 or 36 by "
@@ -93,6 +96,9 @@ const struct option options_table[] = {
      "user sets does not, nor does that of sppm."},
     {"caustic-photons", OPTION_COUNT, AT(caustic_photons), true, "0..1000000000000",
      "Photon paths for the caustic map; of integrator sppm, in each pass. 0 is no caustics."},
+    {"photon-batch", OPTION_COUNT, AT(photon_batch), false, "1..1000000000000",
+     "Photon paths that first pass reverse traces at a time. The first batch decides where "
+     "irradiance is precomputed and the radius of its estimates, and memory grows with it."},
     {"photon-k", OPTION_INT, AT(photon_k), false, "1..10000",
      "Number of photons in a density estimate of the global map; of integrator sppm, in its "
      "initial "

@@ -287,10 +287,14 @@ static uint64_t cluster_paths(const satin_options *o, uint64_t photons) {
 }
 
 struct photon_paths render_budget_paths(const satin_options *o, double core_seconds) {
-    const uint64_t photons = o->photons > 0 ? (uint64_t)o->photons : 0;
+    const uint64_t all = o->photons > 0 ? (uint64_t)o->photons : 0;
+    const uint64_t batch = o->photon_batch > 0 ? (uint64_t)o->photon_batch : 1;
+    // What is made from the photons of the first batch alone does not grow with the others.
+    const uint64_t photons = photon_streams(o) && batch < all ? batch : all;
     return (struct photon_paths){
         .seen = SEEN_PATHS,
-        .global = photons,
+        .global = all,
+        .batch = photons,
         .clusters = cluster_paths(o, photons),
         .direct = photon_precomputes_direct(o) ? photons / DIRECT_DIVISOR : 0,
         .caustic = o->caustic_photons > 0 ? (uint64_t)o->caustic_photons : 0,

@@ -99,10 +99,17 @@ satin_status render_memory_begin(struct render *r) {
     return SATIN_OK;
 }
 
-// The bytes of these fractions of the options' photons.
+// The option that limits the photons of the global map which are in memory at a time.
+static int64_t *paths_together(satin_options *o) {
+    return photon_streams(o) ? &o->photon_batch : &o->photons;
+}
+
+// The bytes of these fractions of the options' photons, or of those of a batch.
 static double photons_bytes(const struct render *r, double fraction, double global) {
     satin_options o = r->options;
-    o.photons = (int64_t)ceil((double)o.photons * fraction * global);
+    int64_t *together = paths_together(&o);
+    *together = (int64_t)ceil((double)*together * fraction);
+    o.photons = (int64_t)ceil((double)o.photons * global);
     o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
     const struct photon_paths paths = render_budget_paths(&o, render_core_seconds(r));
     return photon_memory_bytes(&r->memory.per_path, &paths);
@@ -147,12 +154,14 @@ satin_status render_memory_photons(struct render *r) {
     if (status != SATIN_OK) return status;
     if (photons_bytes(r, 1.0, 1.0) > photons_most(r)) {
         const double fraction = largest_that_fits(r, true, 1.0);
-        const int64_t photons = o->photons, caustic = o->caustic_photons;
-        o->photons = limited(photons, fraction);
+        int64_t *together = paths_together(o);
+        const int64_t photons = *together, caustic = o->caustic_photons;
+        *together = limited(photons, fraction);
         o->caustic_photons = limited(caustic, fraction);
         log_message(r->log, SATIN_LOG_WARNING,
-                    "option memory: %lld of %lld photons and %lld of %lld caustic photons",
-                    (long long)o->photons, (long long)photons, (long long)o->caustic_photons,
+                    "option memory: %lld of %lld photons%s and %lld of %lld caustic photons",
+                    (long long)*together, (long long)photons,
+                    photon_streams(o) ? " of a batch" : "", (long long)o->caustic_photons,
                     (long long)caustic);
     }
     m->photons = photons_bytes(r, 1.0, 1.0);

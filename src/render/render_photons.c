@@ -5,7 +5,7 @@
 
 // Whether the global map is read.
 static bool reads_photons(const satin_options *o) {
-    return o->integrator == SATIN_PHOTONS || o->first_pass == SATIN_FIRST_PRECOMPUTED ||
+    return o->integrator == SATIN_PHOTONS || photon_precomputes(o) ||
            o->first_pass == SATIN_FIRST_PHOTONS;
 }
 
