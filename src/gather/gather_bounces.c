@@ -215,8 +215,8 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
     const vec2 u = sampler_2d(&path->sampler);
     if (u_lobe >= branch.probability) return false;
     u_lobe /= branch.probability;
-    if (branch.lobes == BRDF_DIFFUSE && path->cones)
-        return gather_near_bounce(path->cones, y, v->E, u_lobe, u, out);
+    if (path->cones && gather_aims_bounce(y->lobes, branch.lobes))
+        return gather_near_bounce(path->cones, y, branch.lobes, v->E, u_lobe, u, out);
     return brdf_sample_wi(&y->brdf, y->wo_l, u_lobe, u, branch.lobes, BRDF_RADIANCE, out);
 }
 

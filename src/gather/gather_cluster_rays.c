@@ -4,6 +4,41 @@
 
 #include "gather/gather_layout.h"
 
+// Standard deviation of a beam's light over all light by stratified rays, above which it gets rays
+// of its own: that of other light at 400 rays. And the fraction of its cone that is assumed to be
+// bright.
+static const float BEAM_DEVIATION = 0.05f, BEAM_FILLED = 0.5f;
+
+// The cone that has the beam and is hardly wider, as of a cluster that reflects it; -1: none has.
+static int cone_of_beam(const struct guide_rays *rays, const struct photon_beam *beam) {
+    for (int c = 0; c < rays->count; c++)
+        if (rays->cone[c].versine < 2.0f * beam->versine &&
+            guide_cone_holds(&rays->cone[c], beam->axis))
+            return c;
+    return -1;
+}
+
+// Adds the beams of indirect light at the site to the cones.
+static void add_beams(const struct gather *g, const struct gather_site *site, float expected,
+                      size_t stratified, struct guide_rays *rays) {
+    struct photon_beam beam[PHOTON_BEAMS];
+    const int found = photon_beams(g->maps, site->p, site->ng, beam);
+    for (int i = 0; i < found && rays->count < GUIDE_CONES; i++) {
+        const float cosine = v3_dot(beam[i].axis, site->frame.n);
+        const float chance = 2.0f * beam[i].versine * cosine, E = beam[i].fraction * expected;
+        if (!(sqrf(beam[i].fraction) > sqrf(BEAM_DEVIATION) * (float)stratified * chance)) continue;
+        const int c = cone_of_beam(rays, &beam[i]);
+        if (c >= 0)
+            rays->cone[c].E = fmaxf(rays->cone[c].E, E);
+        else
+            rays->cone[rays->count++] = (struct guide_cone){.axis = beam[i].axis,
+                                                            .versine = beam[i].versine,
+                                                            .E = E,
+                                                            .chance = chance,
+                                                            .filled = BEAM_FILLED};
+    }
+}
+
 void gather_cluster_rays_add(const struct gather *g, const struct gather_site *site,
                              struct gather_hemisphere *h, struct gather_cluster_rays *out) {
     const struct guide_point at = {site->p, site->frame.n, site->ng};
@@ -20,6 +55,7 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
     photon_irradiance_many(g->maps, g->scene, &one);
     *expected = rgb_luminance(E);
     out->to.count = guide_cones_from(g->clusters, g->scene, &at, out->to.cone, expected);
+    add_beams(g, site, *expected, h->stratified, &out->to);
     guide_rays_allocate(&out->to, *expected, h->stratified);
     struct guide_draw draw = {.stream = site->stream, .n = site->frame.n};
     vec3 w;

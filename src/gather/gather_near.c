@@ -30,9 +30,10 @@ bool gather_is_near(const struct gather *g, float t, float radius, float discs) 
     return t < fmaxf(radius, fminf(discs * radius, g->lookup_max));
 }
 
-// Whether the ray of a hit continues by a diffuse bounce.
+// Whether the ray of a hit continues by a bounce that is aimed.
 static bool continues(const struct gather_hits *hits, size_t i) {
-    return !hits->reliable[i] && hits->hit[i].point.lobes & BRDF_DIFFUSE;
+    const unsigned lobes = hits->hit[i].point.lobes;
+    return lobes & BRDF_DIFFUSE ? !hits->reliable[i] : gather_aims_bounce(lobes, lobes);
 }
 
 // Selects hits distributed uniformly over those that continue, and returns their number.
@@ -153,15 +154,10 @@ static float draw_both(const struct choices *at, float guided, const struct shad
     return rgb_black(out->weight) ? 0.0f : density;
 }
 
-bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y, float E,
-                        float u_lobe, vec2 u, struct brdf_sample *out) {
-    struct choices at;
-    move_cones(cones, y, BRDF_DIFFUSE, &at);
-    if (at.count == 0)
-        return brdf_sample_wi(&y->brdf, y->wo_l, u_lobe, u, BRDF_DIFFUSE, BRDF_RADIANCE, out);
-    const float guided = fminf(at.all / (at.all + E), GUIDED);
-    if (!(draw_both(&at, guided, y, BRDF_DIFFUSE, u_lobe, u, out) > 0.0f)) return false;
-    out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
+bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y,
+                        unsigned lobes, float E, float u_lobe, vec2 u, struct brdf_sample *out) {
+    if (!gather_near_sample(cones, y, lobes, E, u_lobe, u, out)) return false;
+    out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, lobes);
     return true;
 }
 

@@ -78,11 +78,17 @@ float gather_visible_fraction(const struct gather *g, const struct gather_probe 
 void gather_near_probe(const struct gather *g, const struct gather_hits *hits, size_t count,
                        struct gather_near *near);
 
-// Draws a direction from which y reflects light by its diffuse lobe: by the lobe itself or to one
-// of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y. Otherwise as
-// brdf_sample_wi; pdf_w is that of the lobe alone, for MIS with light samples.
-bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y, float E,
-                        float u_lobe, vec2 u, struct brdf_sample *out);
+// Whether bounces by `lobes` of a surface that has the lobes `all` are aimed at clusters: those of
+// the diffuse lobe, and glossy ones where there is none, as of metal. To aim those of coats, whose
+// light is faint, costs more than it gains.
+static inline bool gather_aims_bounce(unsigned all, unsigned lobes) {
+    return lobes == BRDF_DIFFUSE || (lobes == BRDF_GLOSSY && !(all & BRDF_DIFFUSE));
+}
+// Draws a direction from which y reflects light by the lobes: by these themselves or to one of the
+// clusters. E [W m^-2] is the luminance of the first-pass irradiance at y. Otherwise as
+// brdf_sample_wi; pdf_w is that of the lobes alone, for MIS with light samples.
+bool gather_near_bounce(const struct gather_cones *cones, const struct shading_point *y,
+                        unsigned lobes, float E, float u_lobe, vec2 u, struct brdf_sample *out);
 
 // Does what gather_near_bounce does, by any smooth lobes of a point near which the cones' site is.
 // pdf_w is the density of the direction.

@@ -158,6 +158,17 @@ rgb photon_caustic_at_hit(const struct photon_maps *maps, const struct satin_sce
                           const struct photon_caustic_limits *limits,
                           struct photon_other_light other);
 
+// A narrow cone of directions in which much of the indirect light arrives at a point.
+struct photon_beam {
+    vec3 axis;
+    float versine;   // 1 - cosine of its half angle
+    float fraction;  // of the power of the photons around the point
+};
+enum { PHOTON_BEAMS = 4 };
+// Finds the beams at p on the side of n, and returns their number.
+int photon_beams(const struct photon_maps *maps, vec3 p, vec3 n,
+                 struct photon_beam out[PHOTON_BEAMS]);
+
 // The irradiance from caustic photons, from the caustic map. Those that have bounced more often
 // than `bounces` are left out; negative: none.
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,

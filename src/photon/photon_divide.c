@@ -121,7 +121,8 @@ static void put_copies(const struct dividing *d, size_t i) {
                                      photon->wi,
                                      photon->n,
                                      photon->bounces,
-                                     photon->last};
+                                     photon->last,
+                                     photon->indirect};
     const vec3 n = photon_unpack(photon->n);
     const struct frame frame = frame_from_normal(n);
     struct rng rng = rng_make(d->by->seed, RNG_DIVIDE, i);

@@ -26,6 +26,7 @@ struct photon_hit {
     uint32_t wi, n;   // packed directions: to its origin; geometric normal on that side
     uint8_t bounces;  // number of its bounces before, at most PHOTON_BOUNCES_MOST
     bool last;        // whether it has bounced as often as photons may
+    bool indirect;    // whether it is of class PHOTON_INDIRECT
 };
 
 // A photon in a map, which has the positions in a separate array for the search.
@@ -33,7 +34,7 @@ struct photon {
     rgb power;
     uint32_t wi, n;
     uint8_t bounces;  // these as in photon_hit
-    bool last;
+    bool last, indirect;
 };
 
 // Packs a unit vector into 32 bits by the octahedral map [Cigolle et al. 2014], with an error of at

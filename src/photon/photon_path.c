@@ -43,7 +43,8 @@ static bool store_photon(const struct satin_scene *scene, struct photon_chunk *c
                              .wi = photon_pack(wi),
                              .n = photon_pack(n),
                              .bounces = photon->bounces,
-                             .last = photon->last};
+                             .last = photon->last,
+                             .indirect = class == PHOTON_INDIRECT};
     for (int i = 0; i < PHOTON_CONSUMERS; i++) {
         if (!(photon->classes[i] >> class & 1u)) continue;
         hit.power = rgb_scale(photon->power, photon->factor[i]);

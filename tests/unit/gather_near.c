@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Diffuse bounces of gather rays that continue, where all light comes from a small spot of light on
+// Bounces of gather rays that continue, where all light comes from a small spot of light on
 // a ceiling and the site is on that ceiling, from which it is not visible: irradiance there is
 // known by integration over the walls and the floor, which the spot lights.
 #include "gather/gather_near.h"
 #include "brdf/brdf_models.h"
 #include "gather/gather_layout.h"
 
+#include "beam_shower.h"
 #include "spot_room.h"
 
 enum { STREAMS = 64, RAYS = 600, POINTS = 1 << 16 };
@@ -174,7 +175,8 @@ static void weights_are_unbiased(void **state) {
             struct sampler u = {i, 3, 0};
             struct brdf_sample next;
             const float u_lobe = sampler_1d(&u);
-            if (!gather_near_bounce(&clusters.near.cones, &y, 1e-4f, u_lobe, sampler_2d(&u), &next))
+            if (!gather_near_bounce(&clusters.near.cones, &y, BRDF_DIFFUSE, 1e-4f, u_lobe,
+                                    sampler_2d(&u), &next))
                 continue;
             sum += (double)next.weight.g / POINTS;
             if (leads_to_spot(&y, next.wi)) hits += (double)next.weight.g / POINTS;
@@ -211,7 +213,8 @@ static void clusters_get_bounces_on_both_sides(void **state) {
             struct sampler u = {i, 3, 0};
             struct brdf_sample next;
             const float u_lobe = sampler_1d(&u);
-            if (!gather_near_bounce(&clusters.near.cones, &y, 1e-4f, u_lobe, sampler_2d(&u), &next))
+            if (!gather_near_bounce(&clusters.near.cones, &y, BRDF_DIFFUSE, 1e-4f, u_lobe,
+                                    sampler_2d(&u), &next))
                 continue;
             assert_true(next.wi.z * y.wo_l.z > 0.0f);
             sum[side] += (double)next.weight.g / POINTS;
@@ -221,6 +224,75 @@ static void clusters_get_bounces_on_both_sides(void **state) {
     print_message("%d and %d bounces, weights %.4f and %.4f\n", found[0], found[1], sum[0], sum[1]);
     assert_true(found[0] > POINTS / 8 && abs(found[1] - found[0]) < POINTS / 64);
     assert_true(fabs(sum[1] / sum[0] - 1.0) < 0.01);
+    spot_room_free(&f);
+}
+
+// A metal reflects light by its lobe from the spot too: bounces to it are many, and the weights are
+// those of the lobe alone, also in the direction of the spot.
+static void glossy_bounces_find_the_spot(void **state) {
+    (void)state;
+    struct spot_room f;
+    struct gather_cluster_rays clusters;
+    probe_clusters(&f, &clusters);
+    struct shading_point y = point_along(&f, v3_unit(v3(-0.6f, -2.0f, 0.2f)));
+    y.brdf = (struct brdf){.model = &brdf_model_phong, .specular = rgb_grey(0.8f), .exponent = 4};
+    assert_true(gather_aims_bounce(BRDF_GLOSSY, BRDF_GLOSSY));
+    assert_false(gather_aims_bounce(BRDF_GLOSSY | BRDF_DIFFUSE, BRDF_GLOSSY));
+    double sum[2] = {0}, hits = 0.0;
+    int found = 0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        struct brdf_sample next;
+        struct sampler u = {i, 3, 0};
+        const float u_lobe = sampler_1d(&u);
+        const vec2 uv = sampler_2d(&u);
+        if (brdf_sample_wi(&y.brdf, y.wo_l, u_lobe, uv, BRDF_GLOSSY, BRDF_RADIANCE, &next))
+            sum[0] += (double)next.weight.g / POINTS;
+        if (!gather_near_bounce(&clusters.near.cones, &y, BRDF_GLOSSY, 1e-4f, u_lobe, uv, &next))
+            continue;
+        sum[1] += (double)next.weight.g / POINTS;
+        if (!leads_to_spot(&y, next.wi)) continue;
+        hits += (double)next.weight.g / POINTS;
+        found++;
+    }
+    const vec3 offset = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), y.interaction.p);
+    const double r2 = (double)v3_len2(offset), r = (double)tanf(GATHER_NEAR_HALF_ANGLE);
+    const vec3 wi = frame_to_local(&y.frame, v3_unit(offset));
+    const double reflected =
+        (double)(brdf_eval(&y.brdf, y.wo_l, wi, BRDF_GLOSSY).g * wi.z * offset.y);
+    const double wanted = 3.14159265358979 * r * r * reflected / (r2 * sqrt(r2));
+    print_message("%d bounces, weights %.4f of %.4f, %.3e of %.3e\n", found, sum[1], sum[0], hits,
+                  wanted);
+    assert_true(found > POINTS / 8);
+    assert_true(fabs(sum[1] / sum[0] - 1.0) < 0.01);
+    assert_true(fabs(hits / wanted - 1.0) < 0.02);
+    spot_room_free(&f);
+}
+
+// A site where photons show a beam sends rays to it.
+static void beams_get_rays(void **state) {
+    (void)state;
+    const struct beam_shower shower = {v3_unit(v3(0.6f, -0.2f, 1.0f)), 0.4f, true};
+    const vec3 up = v3(0, 0, 1);
+    struct spot_room f;
+    gather_near_start(&f, 1, 2000);
+    struct photon_maps maps = *f.maps;
+    beam_shower_build(&shower, &maps);
+    for (int beam = 0; beam < 2; beam++) {
+        if (beam) f.g.maps = &maps;
+        const struct gather_site site = {v3(0, 0, 0), up,       frame_from_normal(up), 1, true,
+                                         NULL,        {0, 0, 0}};
+        struct gather_hemisphere *h = f.worker->hemisphere;
+        struct gather_cluster_rays clusters;
+        gather_hemisphere_begin(h, f.layout, &site.frame);
+        gather_cluster_rays_add(&f.g, &site, h, &clusters);
+        int rays = 0;
+        for (int c = 0; c < clusters.to.count; c++)
+            if (guide_cone_holds(&clusters.to.cone[c], shower.axis) &&
+                clusters.to.cone[c].versine < sqrf(2.0f * BEAM_SHOWER_HALF_ANGLE))
+                rays += clusters.to.rays[c];
+        assert_true(beam ? rays >= 32 : rays == 0);
+    }
+    photon_map_free(&maps.global);
     spot_room_free(&f);
 }
 
@@ -243,6 +315,8 @@ int main(void) {
         cmocka_unit_test(bounces_from_large_lookups_find_the_spot),
         cmocka_unit_test(weights_are_unbiased),
         cmocka_unit_test(clusters_get_bounces_on_both_sides),
+        cmocka_unit_test(glossy_bounces_find_the_spot),
+        cmocka_unit_test(beams_get_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
