@@ -5,16 +5,6 @@
 
 #include "gather/gather_near.h"
 
-// Whether a path from the eye whose first `depth` segments end at a surface is within max_depth
-// with `more` segments after it.
-static inline bool gather_within_depth(const struct gather *g, int depth, int more) {
-    return g->options->max_depth < 0 || depth + more <= g->options->max_depth;
-}
-// Likewise with the path of any photon of the estimate after it.
-static inline bool gather_reads_photons(const struct gather *g, int depth) {
-    return gather_within_depth(g, depth, g->options->gather_direct ? 2 : 1);
-}
-
 // The first-pass estimate at a surface: its irradiance E [W m^-2], and whether it is reliable. If
 // not, the path continues there by the diffuse lobe too.
 struct gather_estimate {

@@ -9,9 +9,6 @@
 // ten.
 enum { GATHER_HITS_MOST = 512 };
 
-// The number of segments from the eye to the end of a gather ray without specular surfaces.
-enum { GATHER_HIT_DEPTH = 2 };
-
 // The end of a gather ray, for the lookup.
 struct gather_hit {
     struct shading_point point;

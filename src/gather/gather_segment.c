@@ -15,9 +15,8 @@ static void add_met_light(const struct gather *g, const struct gather_segment_st
                           const struct light_chain *chain, vec3 d, const struct interaction *hit,
                           struct gather_segment *out) {
     const struct gather_met_light met = gather_meet_light(g, chain, d, start->lit, hit);
-    const int most = g->options->max_depth;
     if (!met.direct) {
-        if (most >= 0 && start->depth + out->specular + 1 > most) return;
+        if (!gather_within_depth(g, start->depth + out->specular, 1)) return;
         out->Le_specular = rgb_fma(out->Le_specular, out->T, met.Le);
     } else if (chain->crossed <= gather_panes(g, start->depth)) {
         out->Le = rgb_mul(out->T, met.Le);

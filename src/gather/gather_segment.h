@@ -5,6 +5,18 @@
 
 #include "gather/gather.h"
 
+// The number of segments from the eye to the end of a gather ray without specular surfaces.
+enum { GATHER_HIT_DEPTH = 2 };
+// Whether a path from the eye whose first `depth` segments end at a surface is within max_depth
+// with `more` segments after it.
+static inline bool gather_within_depth(const struct gather *g, int depth, int more) {
+    return g->options->max_depth < 0 || depth + more <= g->options->max_depth;
+}
+// Likewise with the path of any photon of the estimate after it.
+static inline bool gather_reads_photons(const struct gather *g, int depth) {
+    return gather_within_depth(g, depth, g->options->gather_direct ? 2 : 1);
+}
+
 // The start of a segment.
 struct gather_segment_start {
     struct ray ray;

@@ -10,8 +10,10 @@
 #include "photon/photon_map.h"
 
 // In units of the disc's radius r.
-#define DEPTH 0.35f      // how far the surface may curve below the tangent plane
-#define EXTENT_MIN .02f  // limits 1 / extent
+#define DEPTH 0.35f           // how far the surface may curve below the tangent plane
+#define EXTENT_MIN .02f       // limits 1 / extent
+#define CLEARING 2.5f         // radius of a clearing
+#define CLEARING_FACING 0.9f  // least cosine between the normals of its discs and its own
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
 enum { BISECTIONS = 5, AREA_STEPS = 4 };
 
@@ -96,6 +98,18 @@ bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r)
             return false;
     }
     return true;
+}
+
+struct photon_clearing photon_clearing_find(const struct satin_scene *scene, vec3 p, vec3 n,
+                                            float r) {
+    const float radius = CLEARING * r;
+    return (struct photon_clearing){
+        p, n, radius > 0.0f && photon_area_clear(scene, p, n, radius) ? radius : 0.0f};
+}
+
+bool photon_clearing_has(const struct photon_clearing *clearing, vec3 p, vec3 n, float r) {
+    return r <= clearing->radius - sqrtf(v3_dist2(p, clearing->p)) &&
+           v3_dot(n, clearing->n) > CLEARING_FACING;
 }
 
 bool photon_surface_below(const struct satin_scene *scene, vec3 above, vec3 n, float depth, vec3 *p,

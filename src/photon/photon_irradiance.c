@@ -25,13 +25,12 @@
 #include "base/array.h"
 
 enum {
-    IRRADIANCE_CHUNK = 256,  // entries of a chunk
-    TOGETHER = 8             // of these, entries that are searched and evaluated together
+    IRRADIANCE_CHUNK = 256,           // entries of a chunk
+    TOGETHER = PHOTON_CLEARING_DISCS  // of these, entries that are searched and evaluated together
 };
 // The nearest of randomly distributed entries is farther than the root of FADE / (pi density) at
 // one in e^FADE positions. Where it is farther, no light arrived, and the entry's irradiance fades.
 #define FADE 6.0f
-#define CLEARING 2.5f  // radius of a clearing over that of a disc
 
 struct precompute_loop {
     const struct photon_precompute *what;
@@ -52,36 +51,24 @@ static struct photon_query query_of(const struct photon_precompute *what, size_t
                                  what->ends};
 }
 
-// A position around which there is no edge or wall up to a distance; 0: not known.
-struct clearing {
-    vec3 p, n;
-    float radius;
-};
-
-// Far from edges, one clearing is found for TOGETHER entries, which are neighbours in Morton
-// order, and saves their rays.
-static struct clearing find_clearing(const struct photon_precompute *what, size_t entry,
-                                     const int *row, const float *distance2) {
+// The clearing around an entry.
+static struct photon_clearing find_clearing(const struct photon_precompute *what, size_t entry,
+                                            const int *row, const float *distance2) {
     struct photon_query query = query_of(what, entry);
-    struct clearing clearing = {query.p, query.n, 0.0f};
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    float radius = CLEARING * disc.r;
-    if (what->area && !query.own && radius > 0.0f &&
-        photon_area_clear(what->scene, query.p, query.n, radius))
-        clearing.radius = radius;
-    return clearing;
+    const float radius = what->area && !query.own ? disc.r : 0.0f;
+    return photon_clearing_find(what->scene, query.p, query.n, radius);
 }
 
 static void precompute_one(struct precompute_loop *loop, size_t entry,
-                           const struct clearing *clearing, const int *row,
+                           const struct photon_clearing *clearing, const int *row,
                            const float *distance2) {
     const struct photon_precompute *what = loop->what;
     struct photon_query query = query_of(what, entry);
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    float margin = clearing->radius - sqrtf(v3_dist2(query.p, clearing->p));
-    if (what->area && !query.own && !(disc.r <= margin && v3_dot(query.n, clearing->n) > 0.9f)) {
+    if (what->area && !query.own && !photon_clearing_has(clearing, query.p, query.n, disc.r)) {
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, &disc);
     }
@@ -119,7 +106,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
                              distance2);
         for (size_t i = 0; loop->out->ring && i < n; i++)
             loop->out->ring[at + i] = photon_ring_radius(row + i * k, distance2 + i * k, what->k);
-        struct clearing clearing =
+        struct photon_clearing clearing =
             find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
             precompute_one(loop, at + i, &clearing, row + i * k, distance2 + i * k);

@@ -171,6 +171,19 @@ float photon_area_sector(float x, float y, float rotation);
 float photon_area_inverse(const struct photon_area *area);
 // Whether the surface covers the whole disc; fast if it does not.
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r);
+// A position around which there is no edge or wall up to a distance; 0: not known.
+struct photon_clearing {
+    vec3 p, n;
+    float radius;
+};
+// Photons, neighbours in Morton order, for which one clearing is tried: far from edges, it saves
+// their rays.
+enum { PHOTON_CLEARING_DISCS = 8 };
+// The clearing around the disc of radius r at p, somewhat larger than the disc.
+struct photon_clearing photon_clearing_find(const struct satin_scene *scene, vec3 p, vec3 n,
+                                            float r);
+// Whether all of the disc of radius r at p is in the clearing.
+bool photon_clearing_has(const struct photon_clearing *clearing, vec3 p, vec3 n, float r);
 // The height above a photon's plane from which the surface around it is searched: above ripples,
 // and below objects that stand on it; as a fraction of the distance or of the disc's radius. It
 // hardly matters: of 1,910 and 2,270 copies of photons in staircase2 and living-room

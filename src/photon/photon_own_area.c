@@ -11,11 +11,7 @@
 
 #include "base/array.h"
 
-enum {
-    OWN_CHUNK = 256,  // photons of a chunk
-    OWN_TOGETHER = 8  // of these, neighbours in Morton order for which one clearing is tried
-};
-#define OWN_CLEARING 2.5f            // radius of a clearing over that of a disc
+enum { OWN_CHUNK = 256 };            // photons of a chunk
 #define EXTENT_STEP (1.5f / 255.0f)  // the largest extent is 1.5 radii
 // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.
 #define FRACTION_LEAST 0.02f
@@ -29,25 +25,14 @@ struct own_loop {
     float *clear;
 };
 
-// A position around which there is no edge or wall up to a distance; 0: not known.
-struct own_clearing {
-    vec3 p, n;
-    float radius;
-};
-
 static vec3 own_normal(const struct photon_map *map, size_t i) {
     return photon_unpack(map->photon[i].n);
 }
 
-// Far from edges, one clearing is found for neighbours, and saves their rays.
-static struct own_clearing find_own_clearing(const struct own_loop *loop, size_t i) {
+static struct photon_clearing own_clearing(const struct own_loop *loop, size_t i) {
     const struct photon_map *map = loop->map;
-    struct own_clearing clearing = {photon_position(map, i), own_normal(map, i), 0.0f};
-    const float radius = OWN_CLEARING * sqrtf(map->radius2[i]);
-    if (loop->measure && radius > 0.0f &&
-        photon_area_clear(loop->scene, clearing.p, clearing.n, radius))
-        clearing.radius = radius;
-    return clearing;
+    const float radius = loop->measure ? sqrtf(map->radius2[i]) : 0.0f;
+    return photon_clearing_find(loop->scene, photon_position(map, i), own_normal(map, i), radius);
 }
 
 // Rounds the extents of an area to what is stored.
@@ -59,16 +44,16 @@ static void store_extents(struct photon_area *area, uint8_t extent[AREA_SECTORS]
     }
 }
 
-static void find_area(const struct own_loop *loop, size_t i, const struct own_clearing *clearing) {
+static void find_area(const struct own_loop *loop, size_t i,
+                      const struct photon_clearing *clearing) {
     struct photon_map *map = loop->map;
     struct photon_own_area *own = &loop->own[i];
     const vec3 p = photon_position(map, i), n = own_normal(map, i);
     const float r2 = map->radius2[i], r = sqrtf(r2);
-    const float margin = clearing->radius - sqrtf(v3_dist2(p, clearing->p));
     *own = (struct photon_own_area){.scale = 1.0f / (PI_F * r2), .clear2 = r2};
     loop->clear[i] = r;
     map->whole_disc[i] = true;
-    if (!loop->measure || !(r > 0.0f) || (r <= margin && v3_dot(n, clearing->n) > 0.9f)) return;
+    if (!loop->measure || !(r > 0.0f) || photon_clearing_has(clearing, p, n, r)) return;
     struct photon_area area;
     photon_area_make(loop->scene, p, n, r, &area);
     if (area.whole_disc) return;
@@ -82,9 +67,9 @@ static void find_area(const struct own_loop *loop, size_t i, const struct own_cl
 static void find_areas(void *ctx, size_t begin, size_t end, int worker) {
     const struct own_loop *loop = ctx;
     (void)worker;
-    for (size_t at = begin; at < end; at += OWN_TOGETHER) {
-        const size_t n = end - at < OWN_TOGETHER ? end - at : OWN_TOGETHER;
-        const struct own_clearing clearing = find_own_clearing(loop, at + n / 2);
+    for (size_t at = begin; at < end; at += PHOTON_CLEARING_DISCS) {
+        const size_t n = end - at < PHOTON_CLEARING_DISCS ? end - at : PHOTON_CLEARING_DISCS;
+        const struct photon_clearing clearing = own_clearing(loop, at + n / 2);
         for (size_t i = at; i < at + n; i++) find_area(loop, i, &clearing);
     }
 }

@@ -236,6 +236,7 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
                               lighting->vertex->pixel))
         lighting->out->record = 1.0f;
 
+    // Sampled lobes that reflect on the side of the normal read caustic photons, too.
     const unsigned sampled_caustic = p->wo_l.z > 0.0f ? plan.sampled & ~BRDF_THROUGH : 0u;
     const unsigned caustic = plan.cached | plan.diffuse | sampled_caustic;
     struct sampler apart = lighting->sampler;

@@ -23,13 +23,14 @@ static void closed_furnace(struct test_scene *t) {
     test_scene_finish(t);
 }
 
-static satin_options reverse_options(int batches) {
+static satin_options reverse_options(int batches, int max_depth) {
     satin_options o = satin_options_default;
     o.first_pass = SATIN_FIRST_REVERSE;
     o.photons = (int64_t)batches * BATCH;
     o.photon_batch = BATCH;
     o.caustic_photons = 0;
     o.gather_direct = false;
+    o.max_depth = max_depth;
     return o;
 }
 
@@ -83,7 +84,7 @@ static void noise_falls_with_the_batches(void **state) {
     struct furnace_result result[3];
     static const int batches[3] = {1, 2, 9};
     for (int i = 0; i < 3; i++) {
-        const satin_options o = reverse_options(batches[i]);
+        const satin_options o = reverse_options(batches[i], -1);
         struct stats stats = {0};
         maps[i] = build(&t, &o, 2, &stats);
         assert_true(stats_get(&stats, "photons.emitted") == (double)o.photons);
@@ -109,7 +110,7 @@ static void the_sums_are_those_of_one_map(void **state) {
     enum { BATCHES = 3 };
     struct test_scene t;
     closed_furnace(&t);
-    satin_options o = reverse_options(BATCHES);
+    satin_options o = reverse_options(BATCHES, -1);
     o.guide_clusters = false;
     struct stats stats = {0};
     struct photon_maps *maps = build(&t, &o, 2, &stats);
@@ -178,8 +179,7 @@ static void lengths_of_paths_are_limited(void **state) {
     (void)state;
     struct test_scene t;
     closed_furnace(&t);
-    satin_options o = reverse_options(4);
-    o.max_depth = 3;
+    satin_options o = reverse_options(4, 3);
     struct stats stats = {0};
     struct photon_maps *maps = build(&t, &o, 2, &stats);
     const struct photon_irradiance *r = &maps->irradiance;
@@ -229,8 +229,7 @@ static void bits_are_equal(void **state) {
     (void)state;
     struct test_scene t;
     closed_furnace(&t);
-    satin_options o = reverse_options(3);
-    o.max_depth = 8;
+    satin_options o = reverse_options(3, 8);
     struct stats stats = {0};
     struct photon_maps *one = build(&t, &o, 1, &stats), *three = build(&t, &o, 3, &stats);
     assert_true(equal_irradiance(one, three));
