@@ -34,6 +34,7 @@ static double illuminance(const char *file, const char *rho, const struct cie_me
         const satin_setting setting[] = {{"integrator", method->integrator},
                                          {"first_pass", method->first_pass},
                                          {"quality", "draft"},
+                                         {"photon_batch", "20000"},
                                          {"spp", "16"},
                                          {"seed", seed}};
         mean += stat_mean(scene, setting, sizeof setting / sizeof *setting) / method->seeds;
@@ -47,6 +48,7 @@ int main(int argc, char **argv) {
                                                {"two-pass", "none", 1, false, 1},
                                                {"two-pass", "precomputed", -1, false, 1},
                                                {"two-pass", "photons", -1, false, 1},
+                                               {"two-pass", "reverse", -1, false, 1},
                                                {"two-pass", "path", -1, false, 8},
                                                {"two-pass", "recursive", -1, false, 8},
                                                {"path", "none", -1, false, 1},
