@@ -21,7 +21,7 @@ class TwoLobes(mi.BSDF):
         self.diffuse = self.texture(props, "diffuse_reflectance", 0.5)
         self.specular = self.texture(props, "specular_reflectance", 0.2)
         d, s = self.diffuse.mean(), self.specular.mean()
-        self.probability = s / dr.maximum(d + s, 1e-6)  # probability of sampling the glossy lobe
+        self.glossy_fraction = s / dr.maximum(d + s, 1e-6)  # of samples, if both are asked for
         front = mi.BSDFFlags.FrontSide
         glossy = mi.BSDFFlags.GlossyReflection | front
         if anisotropic:
@@ -48,7 +48,7 @@ class TwoLobes(mi.BSDF):
     def probability(self, ctx):
         """Of sampling the glossy lobe, among the lobes that ctx asks for."""
         diffuse, glossy = self.lobes(ctx)
-        return self.probability if diffuse and glossy else mi.Float(1.0 if glossy else 0.0)
+        return self.glossy_fraction if diffuse and glossy else mi.Float(1.0 if glossy else 0.0)
 
     def eval(self, ctx, si, wo, active=True):
         diffuse, glossy = self.lobes(ctx)
