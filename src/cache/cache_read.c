@@ -25,45 +25,38 @@ rgb cache_rotate_irradiance(const struct cache_irradiance_value *value, vec3 n, 
     return rgb_at_least(cache_taylor_value(&t), 0.0f);
 }
 
-// Returns radius_ratio of a record, see fill_extent.
-typedef float ratio_fn(const struct cache *cache, uint32_t record);
-static float irradiance_ratio(const struct cache *cache, uint32_t record) {
-    return cache->store[CACHE_IRRADIANCE].irradiance[record].radius_ratio;
-}
-static float radiance_ratio(const struct cache *cache, uint32_t record) {
-    return cache->store[CACHE_RADIANCE].radiance[record].radius_ratio;
-}
-
-// Whether most of the weight is of records that are much larger than they should be, as near
-// contacts of surfaces, where the least radius prevents denser records.
-static bool is_oversized(const struct cache *cache, ratio_fn *ratio, const struct cache_near *near,
-                         int count) {
-    const float least = cache->options->gather_radius_ratio;
-    float sum = 0.0f, weights = 0.0f;
-    for (int i = 0; i < count; i++) {
-        if (ratio(cache, near[i].record) < least) sum += near[i].weight;
-        weights += near[i].weight;
-    }
-    return sum > 0.5f * weights;
-}
-
-// The luminance by single records, weighted sums.
+// Sums over the records near a point, by weight: of all of them, and of those that are oversized,
+// that is much larger than they should be, as near contacts of surfaces, where the least radius
+// prevents denser records.
 struct disagreement {
-    float weight, Y, Y2;
+    float weight, Y, Y2;  // Y: the luminance by single records
+    float oversized, oversized_Y;
 };
 
-static void add_disagreement(struct disagreement *sum, const struct cache_taylor *t, float weight) {
+static void add_disagreement(struct disagreement *sum, const struct cache_taylor *t, float weight,
+                             bool oversized) {
     const float Y = rgb_luminance(cache_taylor_value(t));
     sum->weight += weight;
     sum->Y += weight * Y;
     sum->Y2 += weight * Y * Y;
+    if (!oversized) return;
+    sum->oversized += weight;
+    sum->oversized_Y += weight * Y;
 }
 
-// Where records are oversized, their disagreement is the error of interpolation. It is accepted if
-// gathering is noisier.
-static bool disagreement_exceeds(const struct disagreement *sum, float gather_deviation) {
+// Whether most of the weight or of the light is of oversized records. A bright gap of less than a
+// pixel, as that between a lamp and a ceiling, would throw its light beyond its ends by a record
+// that has little weight there.
+static bool is_oversized(const struct disagreement *sum) {
+    return sum->oversized > 0.5f * sum->weight || sum->oversized_Y > 0.5f * sum->Y;
+}
+
+// Whether gathering is to replace the records. Where these are oversized, their disagreement is the
+// error of interpolation, which is accepted if gathering is noisier. What a single one hides is not
+// known.
+static bool gathering_is_better(const struct disagreement *sum, int count, float gather_deviation) {
     const float variance = sum->weight * sum->Y2 - sqrf(sum->Y);
-    return variance > sqrf(gather_deviation * sum->Y);
+    return is_oversized(sum) && (count == 1 || variance > sqrf(gather_deviation * sum->Y));
 }
 
 // Adds one record to the sums; `a` is that of the options.
@@ -77,6 +70,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
                                    float a, rgb *E) {
     const struct cache_tree *tree = &cache->store[CACHE_IRRADIANCE].tree;
     const float whole = cache->store[CACHE_IRRADIANCE].options.a;
+    const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
@@ -85,15 +79,15 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     struct disagreement sums = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
+        const bool oversized =
+            cache->store[CACHE_IRRADIANCE].irradiance[record].radius_ratio < least;
         const struct cache_taylor t = cache_taylor_irradiance(cache, record, at, a);
         cache_taylor_add(&sum, &t, near[i].weight);
-        add_disagreement(&sums, &t, near[i].weight);
+        add_disagreement(&sums, &t, near[i].weight, oversized);
         add_used(&used, &tree->head[record], near[i].weight, whole,
                  cache->store[CACHE_IRRADIANCE].irradiance[record].value.rays);
     }
-    if (is_oversized(cache, irradiance_ratio, near, count) &&
-        (count == 1 || disagreement_exceeds(&sums, at->gather_deviation)))
-        return (struct cache_used){0};
+    if (gathering_is_better(&sums, count, at->gather_deviation)) return (struct cache_used){0};
     *E = cache_taylor_mean(&sum, used.weight);
     return used;
 }
@@ -147,6 +141,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
                                  const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
     const struct cache_tree *tree = &cache->store[CACHE_RADIANCE].tree;
     const float whole = cache->store[CACHE_RADIANCE].options.a;
+    const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
@@ -158,23 +153,23 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const float w = near[i].weight;
+        const bool oversized = cache->store[CACHE_RADIANCE].radiance[record].radius_ratio < least;
         struct cache_taylor t;
         if (lobe) {
             t = radiance_of(cache, record, at, a, *lobe, NULL);
             cache_taylor_add(&reflected, &t, w);
-            add_disagreement(&glossy_sums, &t, w);
+            add_disagreement(&glossy_sums, &t, w, oversized);
         }
         if (E) {
             t = radiance_of(cache, record, at, a, cosine, NULL);
             cache_taylor_add(&diffuse, &t, w);
-            add_disagreement(&diffuse_sums, &t, w);
+            add_disagreement(&diffuse_sums, &t, w, oversized);
         }
         add_used(&used, &tree->head[record], w, whole,
                  cache->store[CACHE_RADIANCE].radiance[record].rays);
     }
-    if (is_oversized(cache, radiance_ratio, near, count) &&
-        (count == 1 || disagreement_exceeds(&glossy_sums, at->gather_deviation) ||
-         disagreement_exceeds(&diffuse_sums, at->gather_deviation)))
+    if (gathering_is_better(&glossy_sums, count, at->gather_deviation) ||
+        gathering_is_better(&diffuse_sums, count, at->gather_deviation))
         return (struct cache_used){0};
     if (lobe) *glossy = cache_taylor_mean(&reflected, used.weight);
     if (E) *E = cache_taylor_mean(&diffuse, used.weight);

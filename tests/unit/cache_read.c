@@ -123,6 +123,24 @@ static void oversized_records_that_disagree_are_not_read(void **state) {
     cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
+// The light of a bright gap of less than a pixel ends where other records have more weight than its
+// own oversized one, which is read beside them if it is dark or if they are as bright.
+static void light_of_an_oversized_record_is_not_thrown_far(void **state) {
+    (void)state;
+    struct cache_read_fixture f;
+    cache_read_start(&f);
+    f.record[1].radius_ratio = 0.1f;
+    struct cache_lookup at = cache_read_lookup(0.1f);  // weights 1 - .1 / .8 and 1 - .2 / .4
+    rgb E;
+    f.record[0].value.E = rgb_grey(1.0f);
+    for (int i = 0; i < 3; i++) {
+        static const float light[3] = {0.0f, 1.0f, 60.0f};
+        f.record[1].value.E = rgb_grey(light[i]);
+        assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, i < 2 ? 2 : 0);
+    }
+    cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
+}
+
 static void no_record_is_found_far_away(void **state) {
     (void)state;
     struct cache_read_fixture f;
@@ -154,6 +172,7 @@ int main(void) {
         cmocka_unit_test(the_records_of_a_value_are_reported),
         cmocka_unit_test(errors_of_second_order_cancel),
         cmocka_unit_test(oversized_records_that_disagree_are_not_read),
+        cmocka_unit_test(light_of_an_oversized_record_is_not_thrown_far),
         cmocka_unit_test(no_record_is_found_far_away),
         cmocka_unit_test(positions_of_records_are_found),
     };
