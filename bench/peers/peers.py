@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same scenes by satin and by other renderers, side by side in one run: error against time.
 
-  bench/peers/peers.py DIR [--scenes SCENE ...] [--rooms ROOMS] [--peers mitsuba cycles luxcore]
-      [--limits 3 10 60] [--pixels N] [--cpu] [--setup] [--reference-seconds S]
+  bench/peers/peers.py DIR [--scenes SCENE ...] [--rooms ROOMS] [--peers mitsuba cycles]
+      [--limits 3 10 60] [--pixels N] [--cpu] [--no-setup] [--reference-seconds S]
 
 Scenes are files, or names of those in data/scenes. ROOMS is a folder of folders, each with a
 scene.xml by others; without it there are no rooms. Peers that are not installed are left out,
@@ -11,12 +11,14 @@ saying so. Renderers alternate, and what is in DIR is not rendered again.
 
 Limits are seconds on two cores for 400x300 pixels. An image of fewer pixels (--pixels) has that
 much less time. With --cpu renderers have one thread and twice the limit, in its processor seconds.
-Loading and compiling count with --setup; else every renderer has the seconds that it needs for
-these in addition, as they do not shrink with the image.
+With --no-setup every renderer has the seconds that it needs for loading and compiling in addition,
+as these do not shrink with the image.
 
 The error is relMSE, as `satin compare` has it, by two long renders of the peer itself
-(bench/unbiased.py): satin's is by those of Mitsuba 3. Pixels that see emitters are left out. A cell
-has the error x 10^4 and its standard error, without and with denoising.
+(bench/unbiased.py): satin's is by those of Mitsuba 3. Pixels that see emitters are left out. A row
+has the error x 10^4 and its standard error, without and with denoising; the mean relative to the
+reference's; samples per pixel, and the time that was taken, as a fraction of the limit; and satin's
+errors over those of the renderer, without and with denoising.
 """
 import argparse
 import importlib.util
@@ -33,10 +35,12 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import runs  # pylint: disable=wrong-import-position
 import unbiased  # pylint: disable=wrong-import-position
+import worker  # pylint: disable=wrong-import-position
 
 FULL_PIXELS, FULL_CORES = 400 * 300, 2  # of the limits
-MODULES = {"mitsuba": "mitsuba", "cycles": "bpy", "luxcore": "pyluxcore"}
+MODULES = {"mitsuba": "mitsuba", "cycles": "bpy"}
 SCENES = ["indirect-room", "cornell-glossy", "cornell-metal", "caustic"]
+ATTEMPTS = 4  # to meet a time limit
 MEAN_TOLERANCE = 0.03  # between the images of two renderers, if they are to be of one scene
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -48,7 +52,8 @@ def parse():
     p.add_argument("--peers", nargs="*", default=list(MODULES), choices=list(MODULES))
     p.add_argument("--limits", type=float, nargs="+", default=[3, 10, 60])
     p.add_argument("--pixels", type=int, default=FULL_PIXELS)
-    p.add_argument("--setup", action="store_true", help="loading and compiling count")
+    p.add_argument("--no-setup", dest="setup", action="store_false",
+                   help="loading and compiling do not count")
     p.add_argument("--reference-seconds", type=float, default=60, help="of each of the two")
     p.add_argument("--python", default=sys.executable, help="the interpreter of the workers")
     return p.parse_args()
@@ -109,25 +114,43 @@ class Images:
         image = self.folder / (name + ".exr")
         if not image.exists():
             runs.render(self.out, str(self.scene), name, *args)
-        return image, json.loads(image.with_suffix(".json").read_text(encoding="utf-8"))
+        # Of names that recur, the first: "parts.other" is before the stages and after them.
+        return image, json.loads(image.with_suffix(".json").read_text(encoding="utf-8"),
+                                 object_pairs_hook=lambda pairs: dict(reversed(pairs)))
 
-    def loading(self):
-        """Seconds that satin takes for loading the scene, and which pixels see emitters."""
+    def setup(self, stats):
+        """Seconds of a render that do not count: of loading the scene, and of what is before the
+        first stage, which is loading the denoiser's library."""
+        return 0.0 if self.options.setup else stats["time.load_s"] + stats["parts.other.wall_s"]
+
+    def emitters(self):
+        """Which pixels see emitters, and the render's statistics."""
         image, stats = self.satin("emitters", "--integrator", "direct", "--spp", "64")
-        return stats["time.load_s"], unbiased.channels(image)[1]
+        return unbiased.channels(image)[1], stats
 
     def timed(self, name, seconds, *args):
-        """By satin, as a worker has it."""
-        if not self.options.setup:
-            seconds += self.loading()[0]
-        image, stats = self.satin(name, "--time", f"{seconds:.3f}", "--seed", "1", *args)
-        return unbiased.channels(image)[0], stats["image.spp"]
+        """By satin, as a worker has it. Loading takes more or less time in every run: if it left
+        more or less than the limit for rendering, the image is rendered again."""
+        setup = self.setup(self.emitters()[1])
+        attempts = 1 if (self.folder / (name + ".exr")).exists() else ATTEMPTS
+        for attempt in range(attempts):
+            given = seconds + setup
+            image, stats = self.satin(name, "--time", f"{given:.3f}", "--seed", "1", *args)
+            setup = self.setup(stats)
+            if abs((given - setup) / seconds - 1) < worker.TOLERANCE or attempt == attempts - 1:
+                break
+            image.unlink()
+        used = (stats["time.whole_s"] - setup) / seconds
+        return unbiased.channels(image)[0], f"{stats['image.spp']:.3g} in {used:.2f}"
 
     def worker(self, program, *args):
         """Runs one of the scripts of this folder, and returns whether it failed."""
         # Dr.Jit keeps its kernels in the home folder: this one has none of earlier runs.
-        return subprocess.run([self.options.python, HERE / (program + ".py"), self.scene, *args],
-                              env={**os.environ, "HOME": str(self.folder)}, check=False).returncode
+        env = {**os.environ, "HOME": str(self.folder)}
+        with open(self.folder / "log", "a", encoding="utf-8") as log:
+            return subprocess.run(
+                [self.options.python, HERE / (program + ".py"), self.scene, *args],
+                env=env, check=False, stdout=log, stderr=log).returncode
 
     def peer(self, peer, name, seconds, seed):
         """The images by one of the peers, without and with denoising; None if it cannot."""
@@ -139,7 +162,7 @@ class Images:
             failed = self.worker(f"{peer}_worker", out, "--seconds", str(seconds), "--seed",
                                  str(seed), *flags)
             if failed:
-                return None, {"reason": "its worker failed"}
+                return None, {"reason": f"its worker failed: {self.folder / 'log'}"}
         stats = json.loads(out.with_suffix(".json").read_text(encoding="utf-8"))
         if "reason" in stats:
             return None, stats
@@ -156,10 +179,11 @@ def error(image, reference, lit):
             image[lit].mean() / mean[lit].mean() - 1)
 
 
-def row(scene, limit, renderer, errors, note):
+def row(where, renderer, errors, note, ratios="-"):
+    """Prints a row; `where` is scene and limit."""
     cells = [f"{e:.2f} ± {s:.2f}" for e, s, _ in errors] + ["-"] * (2 - len(errors))
-    print(f"| {scene} | {limit:g} | {renderer} | {' | '.join(cells)} | {100 * errors[0][2]:+.1f} % "
-          f"| {note} |", flush=True)
+    print("|", " | ".join([where[0], f"{where[1]:g}", renderer, *cells,
+                           f"{100 * errors[0][2]:+.1f} %", note, ratios]), "|", flush=True)
 
 
 def find_references(options, peers, name, images, lit):
@@ -186,7 +210,7 @@ def find_references(options, peers, name, images, lit):
 
 
 def measure(options, peers, name, images):
-    lit = ~images.loading()[1]
+    lit = ~images.emitters()[0]
     references = find_references(options, peers, name, images, lit)
     if "mitsuba" not in references:
         return
@@ -194,13 +218,13 @@ def measure(options, peers, name, images):
         seconds = limit * options.pixels / FULL_PIXELS * (FULL_CORES if options.cpu else 1)
         found = [images.timed(f"satin-{limit:g}", seconds),
                  images.timed(f"satin-denoise-{limit:g}", seconds, "--denoise")]
-        row(name, limit, "satin", [error(image, references["mitsuba"], lit) for image, _ in found],
-            ", ".join(f"{spp:.3g}" for _, spp in found))
+        own = [error(image, references["mitsuba"], lit) for image, _ in found]
+        row((name, limit), "satin", own, ", ".join(note for _, note in found))
         for peer, reference in references.items():
             found, stats = images.peer(peer, f"{limit:g}", seconds, 1)
-            row(name, limit, peer, [error(found[k], reference, lit) for k in
-                                    ("color", "denoised") if k in found],
-                f"{stats['spp']} in {stats['seconds'] / seconds:.2f} of the time")
+            errors = [error(found[k], reference, lit) for k in ("color", "denoised") if k in found]
+            row((name, limit), peer, errors, f"{stats['spp']} in {stats['seconds'] / seconds:.2f}",
+                ", ".join(f"{a[0] / b[0]:.3g}" for a, b in zip(own, errors)))
 
 
 def main():
@@ -212,8 +236,8 @@ def main():
     peers = list(installed(options))
     if "mitsuba" not in peers:
         sys.exit("skipped: the references of satin's images need Mitsuba 3")
-    print("| scene | limit | renderer | error | denoised | mean | samples per pixel |\n"
-          "|---|---|---|---|---|---|---|")
+    print("| scene | limit | renderer | error | denoised | mean | samples, time | satin over it |\n"
+          "|---|---|---|---|---|---|---|---|")
     for name, path in scene_files(options):
         measure(options, peers, name, Images(options, *prepare(options, name, path)))
 

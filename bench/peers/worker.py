@@ -47,8 +47,8 @@ def denoise(image):
 
 
 def denoise_seconds(options, image):
-    """Of the second time, as the first one loads the library's weights."""
-    denoise(image)
+    """With what only the first time takes, which loads the library's weights: for satin it counts
+    too."""
     start = options.now()
     denoise(image)
     return options.now() - start
@@ -71,15 +71,14 @@ def calibrate(options, render):
 
     timed(1)  # what only the first render of a process does
     image, setup = timed(1)
-    left = options.seconds - denoise_seconds(options, image)
+    reserve = denoise_seconds(options, image)
+    free = 0.0 if options.setup else setup
+    left = options.seconds - reserve
     spp = PILOT
-    for fraction in (PILOT_FRACTION, 1.0, 1.0):
+    for fraction in (PILOT_FRACTION, 1.0, 1.0, None):
         image, seconds = timed(spp)
-        budget = left + setup * (not options.setup)
-        if abs(seconds / budget - 1) < TOLERANCE:
+        if fraction is None or abs((seconds - free) / left - 1) < TOLERANCE:
             break
         sample = max(seconds - setup, 1e-6) / (spp - 1)
-        spp = max(2, round((fraction * left - setup * options.setup) / sample))
-    else:
-        image, seconds = timed(spp)
-    save(options, image, setup, seconds - setup * (not options.setup), spp)
+        spp = max(2, round((fraction * left + free - setup) / sample))
+    save(options, image, setup, seconds - free + reserve, spp)
