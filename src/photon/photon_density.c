@@ -185,13 +185,16 @@ float photon_disc_clear(const struct photon_disc *disc) {
     return disc->corrected ? disc->r / photon_area_inverse(&disc->area) : disc->r;
 }
 
+// The copies of a divided photon are not independent: m of them together have m times the variance.
 float photon_disc_variance(const struct photon_disc *disc) {
     float sum = 0.0f;
     for (int i = 0; i < disc->count; i++) {
         const float weight = photon_disc_weight(disc, i);
         if (!(weight > 0.0f)) continue;
-        const rgb c = disc->map->photon[disc->row[i]].power;
-        sum += weight * weight * (c.r * c.r + c.g * c.g + c.b * c.b);
+        const struct photon *photon = &disc->map->photon[disc->row[i]];
+        const rgb c = photon->power;
+        const float together = 1.0f + (float)photon->copies;
+        sum += together * weight * weight * (c.r * c.r + c.g * c.g + c.b * c.b);
     }
     return sum;
 }

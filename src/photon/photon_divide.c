@@ -40,6 +40,7 @@ struct dividing {
     const struct photon_map *map;
     const struct photon_divide *by;
     uint32_t *copies;  // by photon; 1: it stays
+    uint8_t *beside;   // of these, how many an estimate at the photon counts, apart from one
     float *radius;     // in which they lie
     size_t *first;     // index of the first of them
     struct photon_hit *hit;
@@ -93,6 +94,9 @@ static void count_copies(void *ctx, size_t begin, size_t end, int worker) {
         d->radius[i] = radius;
         d->copies[i] =
             (uint32_t)fminf(COPIES_LEAST + COPIES_DISC * sqrf(radius / most), COPIES_MOST);
+        // The density of copies is twice the mean one in the middle.
+        const float of_all = fminf(2.0f * sqrf(own / radius), 1.0f);
+        d->beside[i] = (uint8_t)fminf(fmaxf(of_all * (float)d->copies[i] - 1.0f, 0.0f), UINT8_MAX);
     }
 }
 
@@ -122,7 +126,8 @@ static void put_copies(const struct dividing *d, size_t i) {
                                      photon->n,
                                      photon->bounces,
                                      photon->last,
-                                     photon->indirect};
+                                     photon->indirect,
+                                     d->beside[i]};
     const vec3 n = photon_unpack(photon->n);
     const struct frame frame = frame_from_normal(n);
     struct rng rng = rng_make(d->by->seed, RNG_DIVIDE, i);
@@ -176,10 +181,11 @@ satin_status photon_map_divide(const struct photon_divide *by, const struct sati
     struct dividing d = {.scene = scene, .map = map, .by = by};
     if (map->count == 0 || !(by->irradiance > 0.0f)) return SATIN_OK;
     d.copies = array_new_unset(map->count, sizeof *d.copies);
+    d.beside = array_new(map->count, sizeof *d.beside);
     d.radius = array_new(map->count, sizeof *d.radius);
     d.first = array_new_unset(map->count, sizeof *d.first);
     satin_status status = SATIN_CANCELLED;
-    if (!d.copies || !d.radius || !d.first) {
+    if (!d.copies || !d.beside || !d.radius || !d.first) {
         status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photon map");
     } else if (parallel_for(pool, map->count, DIVIDE_CHUNK, count_copies, &d)) {
         const size_t count = number_copies(&d);
@@ -188,6 +194,7 @@ satin_status photon_map_divide(const struct photon_divide *by, const struct sati
         status = divides ? rebuild(&d, count, pool, log, map) : SATIN_OK;
     }
     free(d.copies);
+    free(d.beside);
     free(d.radius);
     free(d.first);
     free(d.hit);

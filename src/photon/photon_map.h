@@ -27,6 +27,8 @@ struct photon_hit {
     uint8_t bounces;  // number of its bounces before, at most PHOTON_BOUNCES_MOST
     bool last;        // whether it has bounced as often as photons may
     bool indirect;    // whether it is of class PHOTON_INDIRECT
+    uint8_t copies;   // of a divided photon: how many of its copies an estimate there counts, apart
+                      // from this one
 };
 
 // A photon in a map, which has the positions in a separate array for the search.
@@ -35,6 +37,7 @@ struct photon {
     uint32_t wi, n;
     uint8_t bounces;  // these as in photon_hit
     bool last, indirect;
+    uint8_t copies;
 };
 
 // Packs a unit vector into 32 bits by the octahedral map [Cigolle et al. 2014], with an error of at

@@ -44,16 +44,12 @@ static double illuminance(const char *file, const char *rho, const struct cie_me
 }
 
 int main(int argc, char **argv) {
-    static const struct cie_method method[] = {{"direct", "none", 0, false, 1},
-                                               {"two-pass", "none", 1, false, 1},
-                                               {"two-pass", "precomputed", -1, false, 1},
-                                               {"two-pass", "photons", -1, false, 1},
-                                               {"two-pass", "reverse", -1, false, 1},
-                                               {"two-pass", "path", -1, false, 8},
-                                               {"two-pass", "recursive", -1, false, 8},
-                                               {"path", "none", -1, false, 1},
-                                               {"photons", "none", -1, true, 1},
-                                               {"sppm", "none", -1, false, 1}};
+    static const struct cie_method method[] = {
+        {"direct", "none", 0, false, 1},           {"two-pass", "none", 1, false, 1},
+        {"two-pass", "precomputed", -1, false, 1}, {"two-pass", "photons", -1, false, 1},
+        {"two-pass", "reverse", -1, false, 1},     {"two-pass", "path", -1, false, 8},
+        {"two-pass", "recursive", -1, false, 8},   {"path", "none", -1, false, 1},
+        {"photons", "none", -1, true, 1},          {"sppm", "none", -1, false, 1}};
     static const char *const reflectance[] = {"0.2", "0.5", "0.8"};
     int failed = 0;
     if (argc != 2) return 2;

@@ -30,7 +30,7 @@ static struct photon_map divide_map(const struct test_scene *t, float strong,
     struct rng rng = rng_make(1, RNG_TEST, 0);
     for (int i = 0; i <= WEAK; i++) {
         const vec3 p = v3(2.0f * rng_float(&rng) - 1.0f, 2.0f * rng_float(&rng) - 1.0f, 0.0f);
-        hit[i] = (struct photon_hit){p, rgb_grey(1.0f / WEAK), up, up, 0, false, false};
+        hit[i] = (struct photon_hit){p, rgb_grey(1.0f / WEAK), up, up, 0, false, false, 0};
     }
     hit[WEAK].p = v3(0, 0, 0);
     hit[WEAK].power = rgb_grey(strong / WEAK);
@@ -45,6 +45,38 @@ static double power_of(const struct photon_map *map) {
     double sum = 0.0;
     for (size_t i = 0; i < map->count; i++) sum += (double)map->photon[i].power.g;
     return sum;
+}
+
+// The light of the copies in an estimate is that of one photon, so its variance is the square of
+// their sum. How many of them there are is known roughly.
+static void copies_vary_together(void **state) {
+    (void)state;
+    struct test_scene t;
+    divide_scene(&t);
+    struct parallel *pool = parallel_new(2);
+    struct photon_map map = divide_map(&t, 500.0f, pool);
+    const struct photon_divide by = {1, K, 1.0f, WIDEST};
+    assert_int_equal(photon_map_divide(&by, &t.scene, pool, (struct log){0}, &map), SATIN_OK);
+    const struct photon_query query = {&map, &t.scene,    v3(-0.02f, 0, 0), v3(0, 0, 1),
+                                       K,    KERNEL_FLAT, AREA_WHOLE,       false};
+    int row[K], copies = 0;
+    float distance2[K];
+    struct photon_disc disc;
+    photon_index_nearest(map.index, &query.p.x, 1, K, LARGEST * LARGEST, row, distance2);
+    photon_disc_make(&query, row, distance2, &disc);
+    double sum = 0.0;
+    for (int i = 0; i < K; i++) {
+        const double power = row[i] < 0 ? 0.0 : (double)map.photon[row[i]].power.g;
+        if (!(distance2[i] < disc.r2) || fabs(power * WEAK - 1.0) < 1e-3) continue;
+        sum += power * (double)disc.scale;
+        copies++;
+    }
+    const double together = (double)photon_disc_variance(&disc) / (3.0 * sum * sum);
+    print_message("%d copies, variance %.2f\n", copies, together);
+    assert_true(copies > 5 && together > 0.5 && together < 2.0);
+    photon_map_free(&map);
+    parallel_free(pool);
+    test_scene_free(&t);
 }
 
 static void a_strong_photon_is_divided(void **state) {
@@ -123,6 +155,7 @@ static void equal_photons_stay(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_strong_photon_is_divided),
+        cmocka_unit_test(copies_vary_together),
         cmocka_unit_test(a_spot_among_many_photons_is_divided),
         cmocka_unit_test(equal_photons_stay),
     };
