@@ -79,6 +79,13 @@ void stats_set_parts(struct stats *stats, struct parallel *pool) {
     for (int i = 0; i < count; i++) set_part(stats, &part[i]);
 }
 
+void stats_set_part(struct stats *stats, struct parallel *pool, const char *name) {
+    int count;
+    const struct parallel_part *part = parallel_parts(pool, &count);
+    for (int i = 0; i < count; i++)
+        if (strcmp(part[i].name, name) == 0) set_part(stats, &part[i]);
+}
+
 void stats_set_span(struct stats *stats, const char *name, struct stats_span span) {
     set_part(stats,
              &(struct parallel_part){.name = name,
