@@ -108,7 +108,7 @@ static satin_status write_outputs(const struct app_render_request *r, const sati
         struct parallel *pool = parallel_new(threads);
         if (pool) parallel_begin_part(pool, "write");
         status = film_write_exr_as(film, r->output, &r->format, pool, log);
-        if (pool) stats_set_parts_of(&written, pool, "write");
+        if (pool) stats_set_work(&written, pool, "write");
         parallel_free(pool);
     }
     stats_set(&written, "time.whole_s", stats_wall() - start);

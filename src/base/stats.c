@@ -79,7 +79,7 @@ void stats_set_parts(struct stats *stats, struct parallel *pool) {
     for (int i = 0; i < count; i++) set_part(stats, &part[i]);
 }
 
-void stats_set_parts_of(struct stats *stats, struct parallel *pool, const char *name) {
+void stats_set_work(struct stats *stats, struct parallel *pool, const char *name) {
     int count;
     const struct parallel_part *part = parallel_parts(pool, &count);
     for (int i = 0; i < count; i++)

@@ -29,7 +29,7 @@ double stats_get(const struct stats *stats, const char *name);  // 0 if absent
 struct parallel;
 void stats_set_parts(struct stats *stats, struct parallel *pool);
 // Sets those of one part alone, if the pool has it.
-void stats_set_parts_of(struct stats *stats, struct parallel *pool, const char *name);
+void stats_set_work(struct stats *stats, struct parallel *pool, const char *name);
 
 // A span of time on one thread: its wall time, CPU time of the thread, and of the whole process.
 struct stats_span {
