@@ -172,12 +172,21 @@ bool options_quality_chooses_photons(const satin_options *options) {
     return options->photons == preset[options->quality].options.photons;
 }
 
+// A pass of integrator sppm has the photons of the first preset, however long the render takes: its
+// error falls with the number of passes. With photons that grew with time, caustic had 11, 7 and 9
+// passes in 10, 30 and 100 s, and its error rose (docs/experiments.md).
+static double effort_of(const satin_options *options, const struct option *o, double seconds,
+                        double pixels) {
+    if (o->kind != OPTION_COUNT) return seconds / pixels;
+    return options->integrator == SATIN_SPPM ? preset[0].effort : seconds / PRESET_PIXELS;
+}
+
 void options_quality_seconds(satin_options *options, double seconds, double pixels) {
     const satin_options *chosen = &preset[options->quality].options;
     for (int i = 0; i < options_table_count; i++) {
         const struct option *o = &options_table[i];
         if (!o->by_quality || !same_value(options, chosen, o)) continue;
-        set_by_effort(options, o, seconds / (o->kind == OPTION_COUNT ? PRESET_PIXELS : pixels));
+        set_by_effort(options, o, effort_of(options, o, seconds, pixels));
         if (o->offset == offsetof(satin_options, glossy_samples))
             set_number(options, o, options->denoise ? DENOISED_GLOSSY : TIMED_GLOSSY);
     }

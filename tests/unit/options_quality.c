@@ -127,6 +127,19 @@ static void a_denoised_image_takes_samples_rather_than_glossy_rays(void **state)
     assert_int_equal(chosen.glossy_samples, 3);
 }
 
+// More time gives more passes, not larger ones.
+static void passes_of_sppm_do_not_grow(void **state) {
+    (void)state;
+    const satin_options draft = options_quality_make(SATIN_DRAFT);
+    for (double seconds = 1.0; seconds < 2000.0; seconds *= 10.0) {
+        satin_options o = options_quality_make(SATIN_PREVIEW);
+        o.integrator = SATIN_SPPM;
+        options_quality_seconds(&o, seconds, PIXELS);
+        assert_int_equal(o.photons, draft.photons);
+        assert_int_equal(o.caustic_photons, draft.caustic_photons);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_default_is_preview),
@@ -137,6 +150,7 @@ int main(void) {
         cmocka_unit_test(seconds_are_divided_by_pixels),
         cmocka_unit_test(options_that_the_user_chose_stay),
         cmocka_unit_test(a_denoised_image_takes_samples_rather_than_glossy_rays),
+        cmocka_unit_test(passes_of_sppm_do_not_grow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
