@@ -13,7 +13,7 @@
 // ---- What is seen (guide_seen.c) ---------------------------------------------------------------
 
 // The points that are seen. The boxes hold all, nine tenths and half of them.
-enum { GUIDE_SEEN_BOXES = LIGHT_TARGETS / 2, GUIDE_SEEN_PATHS_MAX = 1024 };
+enum { GUIDE_SEEN_BOXES = LIGHT_SPOTS / 2, GUIDE_SEEN_PATHS_MAX = 1024 };
 enum { GUIDE_SEEN_CHUNK = 16 };  // paths per chunk
 struct guide_seen {
     float ray_length;           // median length of gather rays; INFINITY if they hit nothing
@@ -32,8 +32,6 @@ bool guide_seen_follow(const struct satin_scene *scene, struct ray *ray, struct 
 // Does what guide_seen_follow does, for the eye ray of path i, of one of the scene's cameras.
 bool guide_seen_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n);
-// Aims at those boxes that are small compared to `all`, the box of everything that can be hit.
-void guide_seen_aim(const struct guide_seen *seen, struct light_target all, struct light_aim *out);
 
 // ---- Paths of lights (guide_allocation.c) -----------------------------------------------------
 
@@ -60,11 +58,13 @@ void guide_region_free(struct guide_region *region);  // NULL is allowed
 // Whether the point is in the region.
 bool guide_region_holds(const struct guide_region *region, vec3 p);
 
-// ---- Emission of caustics (guide_emission.c) ----------------------------------------------------
+// ---- Aim (guide_aim.c) --------------------------------------------------------------------------
 
 // The boxes at which light is aimed that may become a caustic. False if there is no such light.
-bool guide_emission_target(const struct satin_scene *scene, const struct guide_seen *seen,
-                           struct light_aim *out);
+bool guide_aim_make(const struct satin_scene *scene, const struct guide_seen *seen,
+                    struct light_aim *out);
+
+// ---- Emission of caustics (guide_emission.c) ----------------------------------------------------
 
 // A caustic path that starts at the numbers u of its light's emission, and the root of the squared
 // powers of the photons that it stores where they are seen.

@@ -3,10 +3,8 @@
 // hypercube of emission, and show from where photons come that light visible caustics. A tree
 // divides the hypercube by halves into cells, so that it is fine where that changes. The density
 // of paths in a cell is that of the least variance for their time. A fraction of all paths is
-// allocated by power, and each cell gets one, which keeps the estimate unbiased. Light from
-// infinity is aimed at the box of the surfaces with delta lobes, which misses none of them. If that
-// box is large, as with a pane of glass in front of everything that is seen, light is aimed at what
-// is seen (guide_seen.c).
+// allocated by power, and each cell gets one, which keeps the estimate unbiased. Emission is aimed
+// at the surfaces that can cause caustics (guide_aim.c).
 #include <math.h>
 #include <stdlib.h>
 
@@ -42,38 +40,6 @@ struct guide_emission {
     size_t cell_count, capacity;
     struct light_aim aim;
 };
-
-// ---- The target box -----------------------------------------------------------------------------
-
-// Whether a shape, or a shape of the group of which it is an instance, has a delta lobe.
-static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
-    if (scene->shape[shape].kind != SHAPE_INSTANCE) return scene_shape_has_delta(scene, shape);
-    const struct shape_group *group = &scene->group[scene->shape[shape].instance_of];
-    for (uint32_t i = group->first; i < group->first + group->count; i++)
-        if (scene_shape_has_delta(scene, i)) return true;
-    return false;
-}
-
-bool guide_emission_target(const struct satin_scene *scene, const struct guide_seen *seen,
-                           struct light_aim *out) {
-    struct light_target box = {v3(INFINITY, INFINITY, INFINITY),
-                               v3(-INFINITY, -INFINITY, -INFINITY)};
-    bool found = false;
-    for (uint32_t i = 0; i < scene->shape_count; i++) {
-        const struct shape *shape = &scene->shape[i];
-        if (shape->group || !some_has_delta(scene, i)) continue;
-        vec3 lo, hi;
-        scene_shape_bounds(shape, &lo, &hi);
-        box = (struct light_target){v3_min(box.lo, lo), v3_max(box.hi, hi)};
-        found = true;
-    }
-    if (!found || scene->light_count == 0) return false;
-    // No hit is outside of the scene's bounds, which come from the ray tracer.
-    const struct light_target all = {v3_max(box.lo, scene->bounds_lo),
-                                     v3_min(box.hi, scene->bounds_hi)};
-    guide_seen_aim(seen, all, out);
-    return true;
-}
 
 // ---- Cells --------------------------------------------------------------------------------------
 

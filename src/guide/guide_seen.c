@@ -15,9 +15,6 @@ enum { SPECULAR_MAX = 16 };
 
 static const double QUANTILE[GUIDE_SEEN_BOXES] = {1.0, 0.9, 0.5};
 
-// A box is a target only if its surface is less than this fraction of that around it.
-#define SMALLER 0.25f
-
 struct point {
     vec3 p;
     float distance;  // from the median
@@ -61,28 +58,6 @@ static void make_boxes(struct cloud *cloud, struct light_target *box) {
         vec3 more = v3_mul(v3_sub(hi, lo), 0.1f);
         box[k] = (struct light_target){v3_sub(lo, more), v3_add(hi, more)};
     }
-}
-
-static float surface(const struct light_target *box) {
-    vec3 s = v3_sub(box->hi, box->lo);
-    return s.x * s.y + s.y * s.z + s.z * s.x;
-}
-
-// Adds those boxes, of descending size, that are small compared to the one before.
-static void add_spots(const struct light_target *box, struct light_aim *aim) {
-    float around = surface(&aim->all);
-    for (int k = 0; k < GUIDE_SEEN_BOXES; k++) {
-        float own = surface(&box[k]);
-        if (!(own > 0.0f) || own > SMALLER * around) continue;
-        aim->target[aim->count++] = box[k];
-        around = own;
-    }
-}
-
-void guide_seen_aim(const struct guide_seen *seen, struct light_target all, struct light_aim *out) {
-    *out = (struct light_aim){.all = all};
-    if (seen->count > 0) add_spots(seen->box, out);
-    if (seen->specular_count > 0) add_spots(seen->specular_box, out);
 }
 
 // ---- Paths ------------------------------------------------------------------------------------

@@ -115,7 +115,7 @@ struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
 // its direction by u[2] and u[3], each in [0, 1). The light's power is the mean of `power` over
 // uniform u. False if the photon carries no power. The power is the same for all u, except for
 // textured, environment and wide spot lights. Towards the boxes of `aim` the density of photons is
-// higher, and their power lower, than elsewhere; NULL is without aim.
+// higher, and their power lower, than elsewhere; NULL: the only box is that of the scene.
 struct light_ray {
     struct ray ray;
     rgb power;  // [W]
@@ -123,13 +123,15 @@ struct light_ray {
 struct light_target {
     vec3 lo, hi;
 };
-enum { LIGHT_TARGETS = 6 };
+float light_box_area(const struct light_target *box);  // of its surface
+enum { LIGHT_COVERS = 8, LIGHT_SPOTS = 6, LIGHT_BOXES = LIGHT_COVERS + LIGHT_SPOTS };
+// Boxes to aim at: first some that cover everything that light can be useful for, so that light
+// that misses them may be left out, then spots where it is more useful, in or in front of these.
 struct light_aim {
-    struct light_target all;  // a box around all targets; distant light that misses it is left out
-    int count;                // number of boxes to aim at, in or in front of `all`
-    struct light_target target[LIGHT_TARGETS];
+    int covers, count;  // their number, and that of all boxes
+    struct light_target box[LIGHT_BOXES];
 };
-#define LIGHT_UNAIMED 0.25f  // fraction of photons that are not aimed at a box, if there is any
+#define LIGHT_COVERED 0.25f  // fraction of photons that are aimed at covers, if there are spots
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out);
 

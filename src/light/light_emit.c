@@ -26,18 +26,23 @@ float light_bounds_projected_area(const struct satin_scene *scene, vec3 d) {
     return light_box_projected_area(&box, d);
 }
 
-float light_bounds_area(const struct satin_scene *scene) {
-    vec3 s = v3_sub(scene->bounds_hi, scene->bounds_lo);
+float light_box_area(const struct light_target *box) {
+    vec3 s = v3_sub(box->hi, box->lo);
     return 2.0f * (s.x * s.y + s.y * s.z + s.z * s.x);
 }
 
-// A ray along d into the box, uniform over its projected area, which is returned in *projected.
+float light_bounds_area(const struct satin_scene *scene) {
+    struct light_target box = bounds_of_scene(scene);
+    return light_box_area(&box);
+}
+
+// A ray along d into the box, uniform over its projected area.
 static bool box_ray(const struct satin_scene *scene, const struct light_target *box, vec3 d,
-                    const float u[2], struct ray *ray, float *projected) {
+                    const float u[2], struct ray *ray) {
     vec3 side = box_sides(box, d), lo = box->lo, hi = box->hi, size = v3_sub(hi, lo), p;
-    *projected = side.x + side.y + side.z;
-    if (!(*projected > 0.0f)) return false;
-    float x = u[0] * *projected, v = u[1];
+    const float projected = side.x + side.y + side.z;
+    if (!(projected > 0.0f)) return false;
+    float x = u[0] * projected, v = u[1];
     if (x < side.x) {
         p = v3(d.x > 0.0f ? lo.x : hi.x, lo.y + size.y * (x / side.x), lo.z + size.z * v);
     } else if (x < side.x + side.y || !(side.z > 0.0f)) {
@@ -54,30 +59,19 @@ static bool box_ray(const struct satin_scene *scene, const struct light_target *
 
 // ---- Light from a point -----------------------------------------------------------------------
 
-// The choice of the direction of a photon that leaves p: towards a box of the aim, or as the light
-// draws it.
-struct departure {
-    vec3 d;
-    bool aimed;  // whether d is set
-    float u, v;  // numbers for the light's own sampling
-};
-
-static struct departure depart(const struct light_aim *aim, vec3 p, const float u[2]) {
-    struct departure out = {.u = u[0], .v = u[1]};
-    int spot = light_aim_choose(aim, &out.u);
-    out.aimed = light_aim_direction(aim, spot, p, out.u, out.v, &out.d);
-    return out;
-}
-
 static bool emit_area(const struct satin_scene *scene, const struct light *light,
                       const struct light_aim *aim, const float u[4], struct light_ray *out) {
     struct light_point point = light_area_point(scene, light, u[0], u[1]);
     if (!(point.pdf_a > 0.0f)) return false;
     struct frame frame = frame_from_normal(point.n);
-    struct departure to = depart(aim, point.p, u + 2);
-    vec3 d = to.aimed ? to.d : frame_to_world(&frame, sample_cosine_hemisphere(to.u, to.v));
+    struct light_cones cones;
+    float u2 = u[2];
+    vec3 d;
+    light_aim_cones(aim, point.p, PI_F, &cones);
+    if (!light_cones_draw(&cones, &u2, u[3], &d))
+        d = frame_to_world(&frame, sample_cosine_hemisphere(u2, u[3]));
     float pdf_w = fmaxf(v3_dot(d, frame.n), 0.0f) * (1.0f / PI_F);
-    float power = PI_F * light_aim_weight(aim, point.p, d, pdf_w);
+    float power = PI_F * light_cones_weight(&cones, d, pdf_w);
     out->ray = scene_spawn(scene, point.p, point.n, d);
     out->power = rgb_scale(point.L, power / point.pdf_a);
     return power > 0.0f;
@@ -93,11 +87,14 @@ static bool emit_beam(const struct satin_scene *scene, const struct light *light
 
 static bool emit_position(const struct light *light, const struct light_aim *aim, const float u[4],
                           struct light_ray *out) {
-    struct departure to = depart(aim, light->position, u + 2);
-    vec3 d = to.aimed ? to.d : light_point_direction(light, to.u, to.v);
+    struct light_cones cones;
+    float u2 = u[2];
+    vec3 d;
     rgb color;
+    light_aim_cones(aim, light->position, light_point_solid_angle(light), &cones);
+    if (!light_cones_draw(&cones, &u2, u[3], &d)) d = light_point_direction(light, u2, u[3]);
     float pdf_w, power = light_point_power(light, d, &color, &pdf_w);
-    power *= light_aim_weight(aim, light->position, d, pdf_w);
+    power *= light_cones_weight(&cones, d, pdf_w);
     out->ray = (struct ray){light->position, 0.0f, d, INFINITY};
     out->power = rgb_scale(color, power);
     return power > 0.0f && !rgb_black(color);
@@ -108,13 +105,13 @@ static bool emit_position(const struct light *light, const struct light_aim *aim
 // A ray along d through one of the aim's boxes. *area is set to 1 over its density.
 static bool aim_ray(const struct satin_scene *scene, const struct light_aim *aim, vec3 d,
                     const float u[2], struct ray *ray, float *area) {
-    float u2[2] = {u[0], u[1]}, projected;
-    int spot = light_aim_choose(aim, &u2[0]);
-    const struct light_target *box = spot < 0 ? &aim->all : &aim->target[spot];
-    if (!box_ray(scene, box, d, u2, ray, &projected)) return false;
-    float weight = light_aim_weight_ray(scene, aim, spot, ray);
-    *area = light_box_projected_area(&aim->all, d) * weight;
-    return weight > 0.0f;
+    float u2[2] = {u[0], u[1]};
+    struct light_rays rays;
+    if (!light_aim_rays(aim, d, &rays)) return false;
+    const int chosen = light_rays_choose(&rays, &u2[0]);
+    if (!box_ray(scene, &aim->box[chosen], d, u2, ray)) return false;
+    *area = light_rays_area(&rays, 1e-5f * scene->radius, chosen, ray);
+    return *area > 0.0f;
 }
 
 static bool emit_directional(const struct satin_scene *scene, const struct light *light,
@@ -139,8 +136,8 @@ static bool emit_environment(const struct satin_scene *scene, const struct light
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out) {
     const struct light *light = &scene->light[i];
-    const struct light_aim none = {.all = bounds_of_scene(scene)};
-    if (!aim) aim = &none;
+    const struct light_aim scene_box = {1, 1, {bounds_of_scene(scene)}};
+    if (!aim) aim = &scene_box;
     switch (light->kind) {
         case LIGHT_AREA:
             return emit_area(scene, light, aim, u, out);

@@ -94,6 +94,8 @@ bool light_point_sample(const struct light *light, vec3 p, struct light_sample *
 // is emitted or d is never drawn.
 vec3 light_point_direction(const struct light *light, float u, float v);
 float light_point_power(const struct light *light, vec3 d, rgb *color, float *pdf_w);
+// 1 / the density of light_point_direction along the light's axis [sr].
+float light_point_solid_angle(const struct light *light);
 // The fraction of its intensity that a spot light emits at `cos_theta` from its axis.
 float light_spot_falloff(const struct light *light, float cos_theta);
 // The integrals of the falloff over the cone of full intensity and over the penumbra [sr].
@@ -101,17 +103,44 @@ void light_spot_solid_angles(const struct light *light, float *beam, float *penu
 
 // ---- Aim (light_aim.c) ------------------------------------------------------------------------
 
-// Chooses a box of the aim by *u, which is then rescaled to [0, 1); -1: unaimed.
-int light_aim_choose(const struct light_aim *aim, float *u);
-// The factor of a photon's power: the density with which the ray, drawn by box `chosen` or -1,
-// would be drawn uniformly through aim->all, over the density of the mixture. 0: it misses
-// aim->all.
-float light_aim_weight_ray(const struct satin_scene *scene, const struct light_aim *aim, int chosen,
-                           const struct ray *ray);
-// Draws a direction from p towards the chosen box. False: the light must draw it.
-bool light_aim_direction(const struct light_aim *aim, int chosen, vec3 p, float u, float v,
-                         vec3 *d);
-// The factor of the power of a photon that leaves p along d, where pdf_w is the light's density.
-float light_aim_weight(const struct light_aim *aim, vec3 p, vec3 d, float pdf_w);
+// With which probability a photon is aimed at each box: at covers in proportion to what they get of
+// the light, and at spots equally.
+struct light_mixture {
+    int covers, count;
+    float probability[LIGHT_BOXES];
+};
+
+// Rays along one direction through the boxes of an aim, uniform over their projected areas [m^2].
+struct light_rays {
+    const struct light_aim *aim;
+    struct light_mixture mixture;
+    float area[LIGHT_BOXES];
+};
+// False if there are none, as all covers are flat and edge-on.
+bool light_aim_rays(const struct light_aim *aim, vec3 d, struct light_rays *out);
+// The index of a box, chosen by *u, which is then rescaled to [0, 1).
+int light_rays_choose(const struct light_rays *rays, float *u);
+// 1 / the density of a ray that was drawn through box `chosen`; 0 if it misses all covers.
+float light_rays_area(const struct light_rays *rays, float slack, int chosen,
+                      const struct ray *ray);
+
+// Cones from a point to the boxes of an aim. The solid angle is INFINITY for a box at which the
+// light draws the direction itself, as its cone would be wider than what the light illuminates.
+struct light_cone {
+    vec3 axis;
+    float cos_max, solid_angle;
+};
+struct light_cones {
+    struct light_mixture mixture;
+    struct light_cone cone[LIGHT_BOXES];
+};
+// solid_angle: 1 / the light's own largest density of directions [sr].
+void light_aim_cones(const struct light_aim *aim, vec3 p, float solid_angle,
+                     struct light_cones *out);
+// Draws a direction by u and v. False: the light must draw it, by *u, which is rescaled, and v.
+bool light_cones_draw(const struct light_cones *cones, float *u, float v, vec3 *d);
+// The factor of the power of a photon along d, where pdf_w is the light's density; 0 if it misses
+// all covers.
+float light_cones_weight(const struct light_cones *cones, vec3 d, float pdf_w);
 
 #endif

@@ -153,6 +153,13 @@ float light_point_power(const struct light *light, vec3 d, rgb *color, float *pd
     return 4.0f * PI_F;
 }
 
+float light_point_solid_angle(const struct light *light) {
+    float beam = 4.0f * PI_F, penumbra = 0.0f;
+    if (light->kind == LIGHT_PROJECTOR) return 4.0f * light->tan_x * light->tan_y;
+    if (light->kind == LIGHT_SPOT) light_spot_solid_angles(light, &beam, &penumbra);
+    return beam + penumbra;
+}
+
 // ---- Preparation --------------------------------------------------------------------------------
 
 // The mean emitted power over a grid of the random numbers.
@@ -170,13 +177,12 @@ static float mean_power(const struct light *light) {
 }
 
 void light_point_prepare(struct light *light) {
-    float beam = 4.0f * PI_F, penumbra = 0.0f;
+    const float solid_angle = light_point_solid_angle(light);
     light->strength = rgb_luminance(light->value);
-    if (light->kind == LIGHT_SPOT) light_spot_solid_angles(light, &beam, &penumbra);
-    light->power = (beam + penumbra) * light->strength;
+    light->power = solid_angle * light->strength;
     if (light->kind == LIGHT_PROJECTOR) {
         light->power = slide_power(light) * light->strength;
-        light->strength = light->power / (4.0f * light->tan_x * light->tan_y);
+        light->strength = light->power / solid_angle;
     }
     if (!light->texture) return;
     float plain = light->power;

@@ -95,7 +95,7 @@ satin_status photon_emission_build(const struct photon_request *request, struct 
     if (!paths->caustic || request->options->integrator == SATIN_PHOTONS) return SATIN_OK;
     struct guide_seen seen;
     guide_seen_make(scene, request->options->seed, paths->seen, pool, &seen);
-    if (!guide_emission_target(scene, &seen, &pilot.aim)) return SATIN_OK;
+    if (!guide_aim_make(scene, &seen, &pilot.aim)) return SATIN_OK;
     const uint64_t most =
         paths->caustic < paths->emission_most ? paths->caustic : paths->emission_most;
     pilot.per_light = (size_t)(most / scene->light_count);

@@ -55,14 +55,13 @@ enum {
     SEEN_PATHS = GUIDE_SEEN_PATHS_MAX,
     VISIBILITY_PATHS = 4096,
     // Paths of the pilot of caustics from each light, and those from the eye that show where
-    // caustics are visible: of the latter a cell of the region has 16. With 2^18 instead of 2^16 of
-    // the former, caustics of a glass ball have the same variance at 1 s and 1.04 times that at 4
-    // s; with 2^14, those of a bathroom with five lights have 1.2 times that at 30 s.
-    EMISSION_PATHS = 1 << 16,
+    // caustics are visible: of the latter a cell of the region has 16. With 2^16 instead of 2^15 of
+    // the former, caustics of six scenes have 1.6 to .94 times the variance at 4 CPU seconds.
+    EMISSION_PATHS = 1 << 15,
     REGION_PATHS = 1 << 14,
-    // Paths of that pilot from all lights, which bounds its time however many there are: in the
-    // bathroom they take .5 of 112 CPU seconds at preview (320x180).
-    EMISSION_MOST = 1 << 18,
+    // Paths of that pilot from all lights, which bounds its time however many there are: in a
+    // bathroom they take .5 of 20 CPU seconds.
+    EMISSION_MOST = 1 << 17,
     // The number of rays per bin of the visible environment grows with the option `photons`, which
     // grows with effort: by one per BIN_PER photons. With 1, 3, 4 and 8 rays, light samples leave a
     // variance of .0111, .0100, .0095 and .0088 in a room with windows, for .9, 1.9, 2.4 and 3.9 s

@@ -132,7 +132,7 @@ IDENTIFIERS = {
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
     "Curve": ("curves?", {
         r"\w+": r"src/(?:load/load_(?:curve|build|plugins_shape)|scene/|apps/app_info_scene)"}),
-    "Group": ("groups?", {r"\w+": r"src/(?:load/|scene/|guide/guide_emission)"}),
+    "Group": ("groups?", {r"\w+": r"src/(?:load/|scene/|guide/guide_aim)"}),
     "Job": ("jobs?", {
         "job|find_job": r"src/(?:render/render_(?:animation|metadata|state)"
                         r"|apps/app_(?:animation|render))|include/satin/animation"}),
@@ -195,7 +195,7 @@ IN_TEXT = {
     "Curve": ("curves?", r"src/load/load_(?:curve|build|plugins_shape)|src/scene/"
               r"|src/apps/app_info_scene", "may curve|curves away|(?:splines|meshes) and[^.]*curves"
               "|about curves"),
-    "Group": ("groups?", r"src/load/|src/scene/|src/guide/guide_emission",
+    "Group": ("groups?", r"src/load/|src/scene/|src/guide/guide_aim",
               r"process and[^.]* its group|to the group and|of a group|task group|Three instances"
               r"|(?:teardown|processes) of a group|one to it or to its group"),
     "Job": ("jobs?", r"src/apps/app_animation|src/render/render_(?:animation|metadata|state)"

@@ -124,6 +124,30 @@ static void large_wedges_are_aimed_through(void **state) {
     }
 }
 
+// Nine beads of glass, one more than there are covers, far apart on a floor. From everywhere on the
+// lights, one path in thousands hits one.
+static void small_balls_are_aimed_at(void **state) {
+    static const double GAIN[KIND_COUNT] = {90.0, 400.0, 25.0, 240.0, 190.0};
+    (void)state;
+    for (int i = 0; i < KIND_COUNT; i++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f),
+                       glass = test_material(&t, "dielectric", rgb_grey(0), rgb_grey(1));
+        test_rectangle(&t, test_transform(v3(0, 0, 0), v3(3, 3, 1)), grey);
+        for (int k = 0; k < 9; k++) {
+            const vec3 at = v3(k % 2 ? -1.0f : 0.5f, 0.2f * (float)k - 0.8f, 0.1f);
+            test_quadric(&t, SHAPE_SPHERE, test_transform(at, v3(0.04f, 0.04f, 0.04f)), false,
+                         glass);
+        }
+        photon_case_lamp(&t, KINDS[i], grey);
+        test_scene_finish(&t);
+        look_down(&t, 2.5f, 3.0f);
+        compare_flux(&t, 3.0f, 1000000, 40000, GAIN[i]);
+        test_scene_free(&t);
+    }
+}
+
 // One of fifty lamps is over the glass ball; the others face away from it.
 static void the_lamp_of_the_caustic_gets_most(void **state) {
     (void)state;
@@ -197,6 +221,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(learnt_emission_is_unbiased),
         cmocka_unit_test(large_wedges_are_aimed_through),
+        cmocka_unit_test(small_balls_are_aimed_at),
         cmocka_unit_test(the_lamp_of_the_caustic_gets_most),
         cmocka_unit_test(unseen_caustics_start_everywhere),
         cmocka_unit_test(without_specular_surfaces_there_is_none),
