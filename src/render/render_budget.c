@@ -385,7 +385,7 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
     if (done < equal && want > equal - done) want = equal - done;
     const double fit = done ? fitting_samples(r, sample_seconds) : INFINITY;
     if (fit < (double)want) want = (uint64_t)fit;
-    return equal == all ? want - want % pixels : want;
+    return o->integrator == SATIN_SPPM ? want - want % pixels : want;
 }
 
 // With a time limit a sample has one ray, because more samples of the pixel gain more than more

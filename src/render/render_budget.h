@@ -203,8 +203,8 @@ int render_budget_first_stride(int width, int height);
 uint32_t render_budget_equal_samples(const satin_options *options);
 // The number of samples of all pixels in the next pass, after `done` samples, if one takes
 // `sample_seconds`: as many as there are already, and at most half of those that fit, so that the
-// time of the last ones is known well. If all samples are distributed equally, it is a multiple of
-// the number of pixels. Integrator sppm takes one sample per pixel in each. 0: no further pass.
+// time of the last ones is known well. Integrator sppm takes one sample per pixel in each. 0: no
+// further pass.
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds);
 // How samples gather where no record is near; `core_seconds` as render_core_seconds.
 struct shade_missing render_budget_missing(const satin_options *options, double core_seconds);

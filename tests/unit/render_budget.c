@@ -245,12 +245,16 @@ static void passes_grow_until_little_is_left(void **state) {
     const uint64_t many = render_budget_pass(&r, done, 0.001);
     assert_true(many > 490000 && many < 501000);
     assert_int_equal(render_budget_pass(&r, done, 1e-9), done);
-    // Some pixels get the second of their equal samples, unless all samples are equal.
-    assert_int_equal(render_budget_pass(&r, pixels, 0.06), pixels);
-    const uint64_t some = render_budget_pass(&r, pixels, 0.5);
-    assert_true(some > 1500 && some < 2500);
-    assert_int_equal(render_budget_pass(&r, pixels, 1.0), 0);
-    r.options.adaptive_sampling = false;
+    // Some pixels get the second of their equal samples, also if all samples are equal.
+    for (int adaptive = 1; adaptive >= 0; adaptive--) {
+        r.options.adaptive_sampling = adaptive;
+        assert_int_equal(render_budget_pass(&r, pixels, 0.06), pixels);
+        const uint64_t some = render_budget_pass(&r, pixels, 0.5);
+        assert_true(some > 1500 && some < 2500);
+        assert_int_equal(render_budget_pass(&r, pixels, 1.0), 0);
+    }
+    // A pass of sppm has one sample of each.
+    r.options.integrator = SATIN_SPPM;
     assert_int_equal(render_budget_pass(&r, pixels, 0.06), pixels);
     assert_int_equal(render_budget_pass(&r, pixels, 0.5), 0);
     parallel_free(r.pool);
