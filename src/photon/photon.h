@@ -41,6 +41,10 @@ struct photon_request {
     struct photon_paths paths;
     // Where caustic paths start, from photon_emission_build; NULL: there is no caustic map.
     const struct guide_emission *emission;
+    // Whether the global map shall be traced again, by other paths, which are set; called with the
+    // statistics of its first trace, or of its first batch. NULL: it never is.
+    bool (*grow)(void *ctx, struct photon_paths *paths);
+    void *grow_ctx;
 };
 
 // Finds where caustic paths start by a pilot of them (photon_emission.c). The result is for any

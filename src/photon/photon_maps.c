@@ -25,7 +25,7 @@ struct photon_pass {
     const struct satin_scene *scene;
     const satin_options *options;
     struct photon_paths paths;
-    const struct guide_emission *emission;
+    const struct photon_request *request;
     struct parallel *pool;
     struct log log;
     struct stats *stats;
@@ -81,10 +81,9 @@ static satin_status build_clusters(const struct photon_pass *pass, const struct 
     return status;
 }
 
-// Builds the global map and the photon clusters; sets *direct to the direct photons, which the
-// caller frees.
-static satin_status trace_global(struct photon_pass *pass, struct photon_maps *maps,
-                                 struct photon_trace *direct) {
+// Traces the photons of the global map and for what is made together with it.
+static satin_status trace_paths(struct photon_pass *pass, struct photon_maps *maps,
+                                struct photon_trace trace[PHOTON_CONSUMERS]) {
     const satin_options *o = pass->options;
     const bool whole = o->integrator == SATIN_PHOTONS, bounced = o->gather_direct && !whole;
     const uint64_t all = pass->paths.global, most = pass->paths.batch;
@@ -102,9 +101,24 @@ static satin_status trace_global(struct photon_pass *pass, struct photon_maps *m
                       .allocation = &pass->allocation}},
         // Photons are read where the eye looks, or at the hits of gather rays.
         .bounces = photon_bounces_left(o, whole ? 1 : 2)};
+    return photon_map_trace(&pass->tracing, pass->pool, pass->log, pass->stats, &maps->global,
+                            trace);
+}
+
+// Builds the global map and the photon clusters; sets *direct to the direct photons, which the
+// caller frees.
+static satin_status trace_global(struct photon_pass *pass, struct photon_maps *maps,
+                                 struct photon_trace *direct) {
+    const struct photon_request *request = pass->request;
+    const struct stats before = *pass->stats;
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
-    satin_status status =
-        photon_map_trace(&pass->tracing, pass->pool, pass->log, pass->stats, &maps->global, trace);
+    satin_status status = trace_paths(pass, maps, trace);
+    if (status == SATIN_OK && request->grow && request->grow(request->grow_ctx, &pass->paths)) {
+        photon_map_free(&maps->global);
+        for (int k = 1; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
+        *pass->stats = before;
+        status = trace_paths(pass, maps, trace);
+    }
     const double start = stats_wall();
     parallel_begin_part(pass->pool, "clusters");
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
@@ -170,13 +184,13 @@ static satin_status build_global(struct photon_pass *pass, struct photon_maps *m
 
 static satin_status build_caustic(const struct photon_pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
-    if (!pass->emission) return SATIN_OK;
+    if (!pass->request->emission) return SATIN_OK;
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
         .consumer = {{.paths = pass->paths.caustic, .classes = 1 << PHOTON_CAUSTIC}},
         .bounces = photon_bounces_left(o, 1),
-        .emission = pass->emission};
+        .emission = pass->request->emission};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     parallel_begin_part(pass->pool, "trace");
     satin_status status =
@@ -209,7 +223,7 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
     struct photon_pass pass = {.scene = scene,
                                .options = options,
                                .paths = request->paths,
-                               .emission = request->emission,
+                               .request = request,
                                .pool = pool,
                                .log = log,
                                .stats = stats};

@@ -323,11 +323,11 @@ double render_budget_starved(const satin_options *o, double paths, double kept) 
     return fmin(fmax(wanted, least), fmax(STARVED_MOST * per, least));
 }
 
+double render_budget_grow(double starved) { return starved < STARVED_AGAIN ? 1.0 : starved; }
+
 struct render_more_photons render_budget_photons(const struct render *r, double seconds,
                                                  double starved) {
     const struct render_more_photons none = {0.0, 0.0};
-    if (!(r->options.time > 0.0))
-        return starved < STARVED_AGAIN ? none : (struct render_more_photons){1.0, starved};
     const double left = PHOTONS_UNTIL * time_limit(r) - render_elapsed(r);
     const double times = PHOTONS_CAUTION * left / seconds;
     if (times < PHOTONS_AGAIN) return none;

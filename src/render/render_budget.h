@@ -93,7 +93,10 @@ double render_budget_first_photons(const struct render *r);
 // light from `paths` paths: 1, or up to 8 if it is starved.
 // With a time limit it is at least 2.5, unless the image is denoised.
 double render_budget_starved(const satin_options *options, double paths, double kept);
-// The photons that replace the first ones.
+// The factor of the paths by which a starved map is traced again without a time limit; 1: it is
+// not.
+double render_budget_grow(double starved);
+// The photons that replace the first ones with a time limit.
 struct render_more_photons {
     double fraction;  // of the options' photons; 0: the first ones are kept
     double global;    // factor of those of the global map, if it is starved

@@ -42,6 +42,32 @@ static void free_maps(struct render *r) {
     r->first_pass.visibility = NULL;
 }
 
+// The factor by which the photons of the global map should grow, after so many paths were traced.
+static double starved(const struct render *r, double paths) {
+    const satin_options *o = &r->options;
+    if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
+        return 1.0;
+    return render_budget_starved(o, paths, stats_get(&r->stats, "photons.stored_indirect"));
+}
+
+static void set_made(struct render *r, int64_t photons) {
+    r->first_pass.made =
+        r->first_pass.wanted ? (double)photons / (double)r->first_pass.wanted : 0.0;
+}
+
+// Without a time limit: whether the global map shall be traced again, as it is starved.
+static bool grow_paths(void *ctx, struct photon_paths *paths) {
+    struct render *r = ctx;
+    satin_options o = r->options;
+    double factor = render_budget_grow(starved(r, (double)paths->batch));
+    if (!(factor > 1.0)) return false;
+    factor = render_memory_grow(r, factor);
+    o.photons = (int64_t)ceil((double)o.photons * factor);
+    set_made(r, o.photons);
+    *paths = render_budget_paths(&o, render_core_seconds(r));
+    return true;
+}
+
 // Builds the photon maps and the visibility of the lights, from this fraction of the options'
 // photons, with `global` times as many for the global map.
 static satin_status build_maps(struct render *r, double fraction, double global) {
@@ -49,11 +75,12 @@ static satin_status build_maps(struct render *r, double fraction, double global)
     o.photons = (int64_t)ceil((double)o.photons * fraction * global);
     o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
     if (!reads_photons(&o)) o.photons = 0;
-    r->first_pass.made =
-        r->first_pass.wanted ? (double)o.photons / (double)r->first_pass.wanted : 0.0;
+    set_made(r, o.photons);
     struct photon_request request = {.scene = &r->scene,
                                      .options = &o,
-                                     .paths = render_budget_paths(&o, render_core_seconds(r))};
+                                     .paths = render_budget_paths(&o, render_core_seconds(r)),
+                                     .grow = r->options.time > 0.0 ? NULL : grow_paths,
+                                     .grow_ctx = r};
     satin_status status = find_emission(r, &request);
     if (status == SATIN_OK)
         status = photon_maps_build(&request, r->pool, r->log, &r->stats, &r->first_pass.maps);
@@ -64,16 +91,6 @@ static satin_status build_maps(struct render *r, double fraction, double global)
         stats_add(&r->stats, "photons.bytes",
                   (double)guide_visibility_bytes(r->first_pass.visibility));
     return status;
-}
-
-// The factor by which the photons of the global map should grow, after this fraction of them was
-// traced.
-static double starved(const struct render *r, double fraction) {
-    const satin_options *o = &r->options;
-    if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
-        return 1.0;
-    return render_budget_starved(o, fraction * (double)o->photons,
-                                 stats_get(&r->stats, "photons.stored_indirect"));
 }
 
 // Replaces the photon maps by new ones. The visibility of the lights is kept.
@@ -146,9 +163,10 @@ satin_status render_photons(struct render *r) {
     satin_status status = build_first(r, first);
     const bool too_slow = !render_has_stage(r, STAGE_PHOTONS);
     if (too_slow) r->stats = before;
-    if (status != SATIN_OK || too_slow) return status;
+    if (status != SATIN_OK || too_slow || !(r->options.time > 0.0)) return status;
     struct render_more_photons more =
-        render_budget_photons(r, render_agreed(r, seconds_by_count(&r->stats)), starved(r, first));
+        render_budget_photons(r, render_agreed(r, seconds_by_count(&r->stats)),
+                              starved(r, first * (double)r->options.photons));
     if (more.global > 1.0) more.global = render_memory_grow(r, more.global);
     return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;
 }

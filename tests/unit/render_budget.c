@@ -204,9 +204,8 @@ static void starved_maps_alone_are_made_again(void **state) {
     assert_true(render_budget_starved(&o, 1000.0, 125.0) == 4.0);
     o.denoise = true;
     assert_true(render_budget_starved(&o, 1000.0, 500.0) == 1.0);
-    assert_true(render_budget_photons(&r, 1.0, 1.2).fraction == 0.0);
-    assert_true(render_budget_photons(&r, 1.0, 4.0).fraction == 1.0);
-    assert_true(render_budget_photons(&r, 1.0, 4.0).global == 4.0);
+    assert_true(render_budget_grow(1.2) == 1.0);
+    assert_true(render_budget_grow(4.0) == 4.0);
     parallel_free(r.pool);
 }
 
