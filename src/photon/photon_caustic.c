@@ -4,7 +4,7 @@
 // on the directions of light: those of all photons of the estimate where the eye sees the point,
 // those of a few photons at the hit of a gather ray. Lookups that would add little are made with a
 // smaller probability.
-#include "photon/photon_map.h"
+#include "photon/photon_cover.h"
 
 // Limit of smoothed irradiance over that estimated at the point, and of its inverse.
 #define RATIO_MOST 2.0f
@@ -52,10 +52,18 @@ static float lookup_probability(rgb E, struct photon_other_light other, float lo
     return clampf(lookups * rgb_luminance(E) / (PI_F * other.L), 0.1f, 1.0f);
 }
 
-static struct photon_query caustic_query(const struct photon_maps *maps,
-                                         const struct satin_scene *scene, vec3 p, vec3 ng) {
-    return (struct photon_query){&maps->caustic,  scene,           p,          ng,
-                                 maps->caustic_k, KERNEL_PARABOLA, AREA_WHOLE, true};
+// The radiance that a point reflects of all photons whose discs cover it, and their irradiance.
+static rgb reflect_covering(const struct photon_maps *maps, vec3 p, vec3 ng,
+                            const struct photon_reflection *at, rgb *E) {
+    rgb L = rgb_grey(0.0f);
+    *E = L;
+    struct photon_cover_walk walk;
+    photon_cover_begin(&walk, &maps->caustic, p, ng, KERNEL_PARABOLA);
+    while (photon_cover_next(&walk)) {
+        *E = rgb_add(*E, photon_disc_irradiance(&walk.disc));
+        L = rgb_add(L, photon_disc_radiance(&walk.disc, at));
+    }
+    return L;
 }
 
 // The photons beside an entry in Morton order, and itself. They are some of those around it, and no
@@ -69,15 +77,12 @@ static bool reflect_entry(const struct photon_maps *maps, int entry, rgb E, vec3
     const struct photon_map *map = &maps->caustic;
     int row[NEIGHBOURS], counted = 0;
     float distance2[NEIGHBOURS];
-    const float r = maps->caustic_irradiance.radius[entry];
     struct photon_disc disc = {.map = map,
                                .p = p,
                                .n = ng,
                                .kernel = KERNEL_PARABOLA,
                                .row = row,
                                .distance2 = distance2,
-                               .r = r,
-                               .r2 = r * r,
                                .own = true};
     const size_t begin = entry > NEIGHBOURS / 2 ? (size_t)entry - NEIGHBOURS / 2 : 0;
     for (size_t i = begin; i < map->count && disc.count < NEIGHBOURS; i++) {
@@ -116,11 +121,8 @@ rgb photon_caustic_at_hit(const struct photon_maps *maps, const struct satin_sce
     const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other, LOBE_LOOKUPS);
     if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_reflection at = caustic_reflection(point, limits);
-    if (source != READ_ENTRY || !reflect_entry(maps, entry, E, p, ng, &at, &L)) {
-        const struct photon_query query = caustic_query(maps, scene, p, ng);
-        float radius;
-        L = photon_disc_estimate(&query, &at, &radius, NULL);
-    }
+    if (source != READ_ENTRY || !reflect_entry(maps, entry, E, p, ng, &at, &L))
+        L = reflect_covering(maps, p, ng, &at, &E);
     return rgb_scale(L, 1.0f / chance);
 }
 
@@ -131,7 +133,6 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     const struct brdf *brdf = &point->brdf;
     const vec3 p = point->interaction.p, ng = point->ng, wo = point->wo_l;
     rgb E, estimated;
-    float radius;
     int entry;
     const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
     enum map_read source = READ_POINT;
@@ -142,9 +143,8 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     if (source == READ_ENTRY && rgb_black(E)) return E;
     const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other, LOBE_LOOKUPS);
     if (!(other.u < chance)) return rgb_grey(0.0f);
-    const struct photon_query query = caustic_query(maps, scene, p, ng);
     const struct photon_reflection at = caustic_reflection(point, limits);
-    const rgb L = rgb_scale(photon_disc_estimate(&query, &at, &radius, &estimated), 1.0f / chance);
+    const rgb L = rgb_scale(reflect_covering(maps, p, ng, &at, &estimated), 1.0f / chance);
     if (source != READ_ENTRY) return L;
     return rgb_make(L.r * smoothing_factor(E.r, estimated.r),
                     L.g * smoothing_factor(E.g, estimated.g),
@@ -161,11 +161,11 @@ rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin
     const float chance =
         source == READ_SPARSE ? lookup_probability(E, other, DIFFUSE_LOOKUPS) : 1.0f;
     if (!(other.u < chance)) return rgb_grey(0.0f);
-    const struct photon_query query = caustic_query(maps, scene, p, n);
-    struct photon_disc disc;
-    int row[PHOTON_K_MAX];
-    float distance2[PHOTON_K_MAX];
-    photon_disc_find(&query, row, distance2, &disc);
     if (bounces < 0) bounces = PHOTON_BOUNCES_MOST;
-    return rgb_scale(photon_disc_irradiance_within(&disc, bounces), 1.0f / chance);
+    struct photon_cover_walk walk;
+    photon_cover_begin(&walk, &maps->caustic, p, n, KERNEL_PARABOLA);
+    E = rgb_grey(0.0f);
+    while (photon_cover_next(&walk))
+        E = rgb_add(E, photon_disc_irradiance_within(&walk.disc, bounces));
+    return rgb_scale(E, 1.0f / chance);
 }

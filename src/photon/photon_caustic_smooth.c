@@ -90,8 +90,7 @@ static void estimate_site(const struct estimating *loop, size_t site, int *row, 
                                        n,
                                        what->k,
                                        what->kernel,
-                                       what->area ? AREA_IF_NEEDED : AREA_WHOLE,
-                                       false};
+                                       what->area ? AREA_IF_NEEDED : AREA_WHOLE};
     const float at[3] = {p.x, p.y, p.z};
     struct photon_disc disc;
     photon_index_nearest(what->map->index, at, 1, what->k, photon_map_far2(what->map), row,

@@ -4,21 +4,15 @@
 // divided by the area of the surface in it (photon_area.c). The radius is that of the outermost
 // photon, which is not counted: the k - 1 others are uniform in the disc, so their number over its
 // area is an unbiased density, while k over the area is too high by 1 / (k - 1). In the caustic map
-// each photon has a kernel of its own radius (photon_radii.c), is divided by the area of its own
-// disc (photon_own_area.c), and counts only in the discs in which it is among the k nearest.
+// each photon has a kernel of its own radius (photon_radii.c) and is divided by the area of its own
+// disc (photon_own_area.c); a point has the photons that cover it (photon_cover.c).
 #include "photon/photon_own_area.h"
 
-// Largest distance of a photon from the plane of the disc, as a fraction of its radius.
-#define LAYER 0.35f
-
-// Whether photon i, of normal n, is on the surface of the disc, by n and its distance from the
-// plane.
+// Whether photon i, of normal n, is on the surface of the disc.
 static bool is_on_surface(const struct photon_disc *disc, int i, vec3 n) {
-    const struct photon_map *map = disc->map;
-    size_t at = (size_t)disc->row[i];
-    if (v3_dot(n, disc->n) < PHOTON_FACING) return false;
-    float height = v3_dot(v3_sub(photon_position(map, at), disc->p), disc->n);
-    return fabsf(height) <= LAYER * disc->r;
+    const size_t at = (size_t)disc->row[i];
+    const float height = v3_dot(v3_sub(photon_position(disc->map, at), disc->p), disc->n);
+    return photon_is_on_surface(disc->n, n, height, disc->own ? disc->map->radius2[at] : disc->r2);
 }
 
 static vec3 photon_normal(const struct photon_disc *disc, int i) {
@@ -26,7 +20,8 @@ static vec3 photon_normal(const struct photon_disc *disc, int i) {
 }
 
 static bool is_counted(const struct photon_disc *disc, int i) {
-    return disc->row[i] >= 0 && disc->distance2[i] < disc->r2;
+    const int at = disc->row[i];
+    return at >= 0 && disc->distance2[i] < (disc->own ? disc->map->radius2[at] : disc->r2);
 }
 
 float photon_radius2(const struct photon_map *map, const int *row, const float *distance2, int k) {
@@ -120,7 +115,7 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     out->count = query->k;
     out->row = row;
     out->distance2 = distance2;
-    out->own = query->own;
+    out->own = false;
     out->corrected = false;
     out->scale = 0.0f;
     out->r2 = photon_radius2(query->map, row, distance2, query->k);
@@ -135,7 +130,6 @@ float photon_disc_weight(const struct photon_disc *disc, int i) {
     if (!is_counted(disc, i)) return 0.0f;
     const size_t at = (size_t)disc->row[i];
     const float d2 = disc->distance2[i];
-    if (disc->own && !(d2 < disc->map->radius2[at])) return 0.0f;
     const vec3 n = photon_normal(disc, i);
     if (!is_on_surface(disc, i, n)) return 0.0f;
     if (disc->own) return photon_own_weight(disc->map, at, n, disc->p, d2, disc->kernel);
@@ -159,16 +153,6 @@ rgb photon_disc_irradiance_within(const struct photon_disc *disc, int bounces) {
 
 rgb photon_disc_irradiance(const struct photon_disc *disc) {
     return photon_disc_irradiance_within(disc, PHOTON_BOUNCES_MOST);
-}
-
-int photon_disc_bounces(const struct photon_disc *disc) {
-    int most = 0;
-    for (int i = 0; i < disc->count; i++) {
-        if (!(photon_disc_weight(disc, i) > 0.0f)) continue;
-        const int bounces = disc->map->photon[disc->row[i]].bounces;
-        if (bounces > most) most = bounces;
-    }
-    return most;
 }
 
 rgb photon_disc_last(const struct photon_disc *disc) {
@@ -229,17 +213,6 @@ void photon_disc_find(const struct photon_query *query, int *row, float *distanc
     photon_disc_make(query, row, distance2, out);
 }
 
-rgb photon_disc_estimate(const struct photon_query *query, const struct photon_reflection *at,
-                         float *radius, rgb *E) {
-    int row[PHOTON_K_MAX];
-    float distance2[PHOTON_K_MAX];
-    struct photon_disc disc;
-    photon_disc_find(query, row, distance2, &disc);
-    *radius = disc.r;
-    if (E) *E = photon_disc_irradiance(&disc);
-    return photon_disc_radiance(&disc, at);
-}
-
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene,
                     const struct shading_point *point, unsigned lobes, int bounces, float *radius) {
     *radius = INFINITY;
@@ -250,10 +223,14 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                                  point->ng,
                                  maps->photon_k,
                                  KERNEL_FLAT,
-                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE,
-                                 false};
+                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
     struct photon_reflection at =
         photon_reflection_make(&point->frame, &point->brdf, point->wo_l, lobes);
     if (bounces >= 0) at.bounces = bounces;
-    return photon_disc_estimate(&query, &at, radius, NULL);
+    int row[PHOTON_K_MAX];
+    float distance2[PHOTON_K_MAX];
+    struct photon_disc disc;
+    photon_disc_find(&query, row, distance2, &disc);
+    *radius = disc.r;
+    return photon_disc_radiance(&disc, &at);
 }

@@ -41,7 +41,6 @@ static void *malloc_or_throw(size_t bytes) {
 namespace {
 
 enum {
-    LEAF_ROWS = 16,
     // Largest number of rows of a cell for photons in Morton order: some hundred cells of
     // 200 thousand photons keep 64 threads busy, and the planes between them do not measurably slow
     // down queries.
@@ -146,7 +145,7 @@ template <size_t N>
 void build_tree(const float *data, size_t rows, Tree &out) {
     flann::KDTreeSingleIndex<Squared<N>> tree(
         flann::Matrix<float>(const_cast<float *>(data), rows, N),
-        flann::KDTreeSingleIndexParams(LEAF_ROWS, false));
+        flann::KDTreeSingleIndexParams(PHOTON_INDEX_LEAF, false));
     tree.buildIndex();
     Reader reader(out);
     tree.serialize(reader);

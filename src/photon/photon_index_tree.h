@@ -10,6 +10,7 @@
 
 enum {
     PHOTON_INDEX_COLUMNS = 6,  // largest number of columns
+    PHOTON_INDEX_LEAF = 16,    // largest number of rows of a leaf
     PHOTON_INDEX_LANES = 4     // rows of a leaf that are compared at once
 };
 

@@ -16,13 +16,14 @@
 // disc cannot decide that: it is smaller for estimates that came out brighter, so that bright ones
 // would be read and dark ones would not. A room lit through a door was .7 % too bright with 100,000
 // photons. Instead, lookups return the radius of an equal number of photons around the disc.
-#include "photon/photon_own_area.h"
+#include "photon/photon_cover.h"
 
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "photon/photon_own_area.h"
 
 enum {
     IRRADIANCE_CHUNK = 256,           // entries of a chunk
@@ -47,8 +48,7 @@ static struct photon_query query_of(const struct photon_precompute *what, size_t
                                  photon_unpack(what->map->photon[i].n),
                                  what->k,
                                  what->kernel,
-                                 AREA_WHOLE,
-                                 what->ends};
+                                 AREA_WHOLE};
 }
 
 // The clearing around an entry.
@@ -57,8 +57,7 @@ static struct photon_clearing find_clearing(const struct photon_precompute *what
     struct photon_query query = query_of(what, entry);
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    const float radius = what->area && !query.own ? disc.r : 0.0f;
-    return photon_clearing_find(what->scene, query.p, query.n, radius);
+    return photon_clearing_find(what->scene, query.p, query.n, what->area ? disc.r : 0.0f);
 }
 
 static void precompute_one(struct precompute_loop *loop, size_t entry,
@@ -68,21 +67,37 @@ static void precompute_one(struct precompute_loop *loop, size_t entry,
     struct photon_query query = query_of(what, entry);
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    if (what->area && !query.own && !photon_clearing_has(clearing, query.p, query.n, disc.r)) {
+    if (what->area && !photon_clearing_has(clearing, query.p, query.n, disc.r)) {
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, &disc);
     }
-    const rgb E = photon_disc_irradiance(&disc);
-    // If the map has fewer than k photons, the radius is infinite and the estimate not reliable.
-    const bool valid = rgb_finite(E) && disc.r >= 0.0f;
-    loop->refused[entry] = !valid;
-    loop->out->E[entry] = valid ? E : rgb_grey(0.0f);
-    if (loop->out->last) loop->out->last[entry] = valid ? photon_disc_last(&disc) : rgb_grey(0.0f);
-    if (loop->out->bounces) loop->out->bounces[entry] = (uint8_t)photon_disc_bounces(&disc);
-    loop->out->radius[entry] = valid ? disc.r : INFINITY;
-    if (query.own) return;  // these are known
+    loop->out->E[entry] = photon_disc_irradiance(&disc);
+    if (loop->out->last) loop->out->last[entry] = photon_disc_last(&disc);
+    loop->out->radius[entry] = disc.r;
     what->map->whole_disc[entry] = !disc.corrected;
     loop->out->position.clear[entry] = photon_disc_clear(&disc);
+}
+
+// Refuses estimates that are not finite.
+static void refuse_invalid(struct precompute_loop *loop, size_t entry) {
+    struct photon_irradiance *r = loop->out;
+    loop->refused[entry] = !rgb_finite(r->E[entry]) || !(r->radius[entry] >= 0.0f);
+    if (!loop->refused[entry]) return;
+    r->E[entry] = rgb_grey(0.0f);
+    if (r->last) r->last[entry] = rgb_grey(0.0f);
+    r->radius[entry] = INFINITY;
+}
+
+// The entries of light that ends, which has a stride of 1.
+static void precompute_ending(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    struct precompute_loop *loop = ctx;
+    struct photon_irradiance *r = loop->out;
+    photon_cover_estimate(loop->what->map, begin, end, loop->what->kernel, r->E, r->bounces);
+    for (size_t i = begin; i < end; i++) {
+        r->radius[i] = sqrtf(loop->what->map->radius2[i]);
+        refuse_invalid(loop, i);
+    }
 }
 
 static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
@@ -110,6 +125,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
             find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
             precompute_one(loop, at + i, &clearing, row + i * k, distance2 + i * k);
+        for (size_t i = 0; i < n; i++) refuse_invalid(loop, at + i);
     }
     free(row);
     free(distance2);
@@ -187,13 +203,24 @@ static satin_status precompute_entries(const struct photon_precompute *what, str
                  {refused, 1}},
         .journaled = true};
     satin_status status = SATIN_OK;
-    if (!parallel_for_results(pool, r->count, IRRADIANCE_CHUNK, precompute_chunk, &loop, &entries))
+    if (!parallel_for_results(pool, r->count, IRRADIANCE_CHUNK,
+                              r->ends ? precompute_ending : precompute_chunk, &loop, &entries))
         status = SATIN_CANCELLED;
     else if (atomic_load(&loop.failed))
         status = SATIN_ERROR_MEMORY;
     for (size_t i = 0; i < r->count; i++) r->refused += refused[i];
     free(refused);
     return status;
+}
+
+// Finds the discs of all photons and, for each, the least distance to a wall or an edge.
+static satin_status find_own_discs(const struct photon_precompute *what, struct parallel *pool,
+                                   float *clear) {
+    satin_status status = photon_map_find_radii(what->map, what->k, pool);
+    if (status == SATIN_OK)
+        status =
+            photon_own_areas_find(what->map, what->scene, what->kernel, what->area, pool, clear);
+    return status == SATIN_OK ? photon_cover_build(what->map, pool) : status;
 }
 
 satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
@@ -221,10 +248,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
     if (map->whole_disc && r.position.row && r.E && r.radius && (r.ring || r.ends) &&
         r.position.clear && (r.last || r.bounces || !map->limited)) {
-        status = r.ends ? photon_map_find_radii(map, what->k, pool) : SATIN_OK;
-        if (r.ends && status == SATIN_OK)
-            status = photon_own_areas_find(map, what->scene, what->kernel, what->area, pool,
-                                           r.position.clear);
+        status = r.ends ? find_own_discs(what, pool, r.position.clear) : SATIN_OK;
         if (status == SATIN_OK) status = precompute_entries(what, pool, &r);
     }
     if (status == SATIN_OK && !index_rows(what, pool, &r))

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photon map. Photons are sorted in Morton order, so that neighbours are neighbours in
 // memory too, and every 8th of them is a uniform selection.
-#include "photon/photon_own_area.h"
+#include "photon/photon_cover.h"
 
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "photon/photon_own_area.h"
 
 enum { MAP_CHUNK = 4096 };  // photons per chunk
 
@@ -100,6 +101,7 @@ void photon_map_free(struct photon_map *map) {
     free(map->whole_disc);
     free(map->radius2);
     free(map->own);
+    free(map->cover);
     *map = (struct photon_map){0};
 }
 
@@ -108,7 +110,7 @@ size_t photon_map_bytes(const struct photon_map *map) {
     if (map->radius2) bytes += map->count * sizeof *map->radius2;
     if (map->own) bytes += map->count * sizeof *map->own;
     return bytes + (map->whole_disc ? map->count / map->stride : 0) +
-           photon_index_bytes(map->index);
+           photon_index_bytes(map->index) + photon_cover_bytes(map);
 }
 
 // ---- Packed directions ------------------------------------------------------------------------

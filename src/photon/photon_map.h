@@ -47,6 +47,13 @@ vec3 photon_unpack(uint32_t packed);
 
 // The least cosine between normals of one surface within the disc of a density estimate.
 #define PHOTON_FACING 0.5f
+// Largest distance of a photon from the plane of a point, as a fraction of the disc's radius.
+#define PHOTON_LAYER 0.35f
+// Whether a photon of normal m, at a height over the plane of a point of normal n, is on the same
+// surface, for a disc of this squared radius.
+static inline bool photon_is_on_surface(vec3 n, vec3 m, float height, float r2) {
+    return v3_dot(n, m) >= PHOTON_FACING && height * height <= PHOTON_LAYER * PHOTON_LAYER * r2;
+}
 
 // ---- Tracing (photon_trace.c) -------------------------------------------------------------------
 
@@ -105,6 +112,7 @@ struct photon_map {
     size_t stride;
     float *radius2;               // of each photon's own disc, squared; NULL: not known
     struct photon_own_area *own;  // of that disc; NULL: not known
+    struct photon_cover *cover;   // around these discs, by node of the index; NULL: not known
     bool limited;                 // whether the number of bounces of photons is limited
     float radius_max;             // largest radius of an estimate
     struct photon_morton morton;  // the order in which the photons are sorted
@@ -221,7 +229,8 @@ struct photon_disc {
     float scale;     // 1 / (area of the surface in the disc) [m^-2]; not used if `own`
     bool corrected;  // whether photons count only inside `area`
     struct photon_area area;
-    bool own;  // whether photons are distributed over their own discs, as in photon_query
+    bool own;  // whether each photon's kernel has the radius and the area of its own disc, which
+               // must be known (photon_cover.h); r, r2 and scale are not used then
 };
 
 // The input of a disc.
@@ -232,8 +241,6 @@ struct photon_query {
     int k;
     enum photon_kernel kernel;
     enum photon_correction { AREA_WHOLE = 0, AREA_IF_NEEDED, AREA_MEASURED } correction;
-    bool own;  // whether each photon's kernel has the radius and the area of its own disc, which
-               // must be known; otherwise it has those of the disc of the query
 };
 
 // The squared radius of the disc of k rows that photon_index_nearest found: that of the outermost
@@ -259,8 +266,6 @@ float photon_disc_weight(const struct photon_disc *disc, int i);
 rgb photon_disc_irradiance(const struct photon_disc *disc);
 // That of photons that have bounced so often at most.
 rgb photon_disc_irradiance_within(const struct photon_disc *disc, int bounces);
-// The largest number of bounces of a photon that counts in the disc.
-int photon_disc_bounces(const struct photon_disc *disc);
 // A surface point that reflects the photons of a disc.
 struct photon_reflection {
     const struct frame *frame;
@@ -279,10 +284,6 @@ static inline struct photon_reflection photon_reflection_make(const struct frame
 // The radiance that the point reflects. Photons carry flux per geometric area, while reflection is
 // by the cosine to the shading normal.
 rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_reflection *at);
-// The radiance by the photons of a query. *radius is set to that of their disc and *E, if not NULL,
-// to their irradiance.
-rgb photon_disc_estimate(const struct photon_query *query, const struct photon_reflection *at,
-                         float *radius, rgb *E);
 // That part of the irradiance whose photons have bounced as often as they may.
 rgb photon_disc_last(const struct photon_disc *disc);
 // The variance of the irradiance, summed over the channels: the sum of the squares.
@@ -320,7 +321,8 @@ struct photon_irradiance {
     struct photon_positions position;
     rgb *E;            // by entry [W m^-2]
     rgb *last;         // by entry: photon_disc_last; NULL: bounces are not limited, or light ends
-    uint8_t *bounces;  // by entry of light that ends: photon_disc_bounces; NULL: not limited
+    uint8_t *bounces;  // by entry of light that ends: the largest number of bounces of a photon of
+                       // its estimate; NULL: not limited
     float *radius;     // by entry: radius of its estimate; INFINITY: the map has too few photons
     float *ring;       // by entry: photon_ring_radius; NULL for light that ends
     float fade2;       // squared distance from which on an entry fades, over its squared radius

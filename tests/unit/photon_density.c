@@ -73,7 +73,8 @@ static void photon_density_integrate(const struct test_scene *t, const struct ph
 
 // In a disc, 100 photons have 7, and 3000 have more than k. When the nearest photon's
 // estimate was read everywhere, fading far from it, .49, .56, .83 and 1.02 were found.
-// Around the focus, 1.038 and 1.020 were found when the kernel had the radius of its disc.
+// Around the focus, 1.038 and 1.020 were found when the kernel had the radius of its disc, and .981
+// with 10,000 photons when photons counted only where they were among the k nearest.
 static void density_estimates_keep_the_power(void **state) {
     (void)state;
     const size_t count[] = {1, 10, 100, 3000, 10000, 30000};
@@ -89,7 +90,7 @@ static void density_estimates_keep_the_power(void **state) {
         photon_density_build(&t, count[i], distribution[i], &maps);
         photon_density_integrate(&t, &maps, &t.material[white].front.base, power);
         print_message("%zu photons: %.4f %.4f %.4f\n", count[i], power[0], power[1], power[2]);
-        for (int k = 0; k < 3; k++) assert_true(fabs(power[k] - 1.0) < 0.03);
+        for (int k = 0; k < 3; k++) assert_true(fabs(power[k] - 1.0) < 0.018);
         photon_irradiance_free(&maps.caustic_irradiance);
         photon_map_free(&maps.caustic);
     }
@@ -129,7 +130,8 @@ static void integrate_sides(const struct test_scene *t, const struct photon_maps
 
 // With 300 photons most discs are of the largest radius and extend beyond a wall or an edge; with
 // 10,000 those near one do. If all discs count as whole, .19 is found on the left and .72 on the
-// right with 300 photons; if each estimate measured the area of its own disc, .92 was found.
+// right with 300 photons; if each estimate measured the area of its own disc, .92 was found. When
+// photons counted only where they were among the k nearest, .983 was found with 10,000 photons.
 static void walls_and_edges_keep_the_power(void **state) {
     (void)state;
     const size_t count[] = {300, 10000};
@@ -150,7 +152,7 @@ static void walls_and_edges_keep_the_power(void **state) {
                       left[1], left[2], right[0], right[1], right[2]);
         for (int k = 0; k < 3; k++) {
             assert_true(left[k] < 0.003);
-            assert_true(fabs(right[k] - 1.0) < 0.03);
+            assert_true(fabs(right[k] - 1.0) < 0.015);
         }
         photon_irradiance_free(&maps.caustic_irradiance);
         photon_map_free(&maps.caustic);

@@ -58,7 +58,7 @@ static void copies_vary_together(void **state) {
     const struct photon_divide by = {1, K, 1.0f, WIDEST};
     assert_int_equal(photon_map_divide(&by, &t.scene, pool, (struct log){0}, &map), SATIN_OK);
     const struct photon_query query = {&map, &t.scene,    v3(-0.02f, 0, 0), v3(0, 0, 1),
-                                       K,    KERNEL_FLAT, AREA_WHOLE,       false};
+                                       K,    KERNEL_FLAT, AREA_WHOLE};
     int row[K], copies = 0;
     float distance2[K];
     struct photon_disc disc;
