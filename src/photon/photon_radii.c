@@ -21,10 +21,8 @@ enum {
     RADII_TOGETHER = 64,  // of these, photons that are searched together
     RADII_AROUND = 8,     // photons around these that are searched at most, in units of k
     RADII_LANES = 16,     // distances that are counted together
-    // Counts until few distances are left, and how many these are: each count leaves a small
-    // fraction, if distances are distributed as in a plane.
-    RADII_COUNTS = 6,
-    RADII_FEW = 6
+    RADII_FEW = 6,        // distances that are sorted, unless equal ones are more
+    RADII_MIDDLE = 3      // one in this number of limits is in the middle, as not all are planes
 };
 // The radius that is searched around a photon, in units of that of the one before it.
 #define RADII_WITHIN 2.0f
@@ -79,9 +77,10 @@ static float find_smallest(const struct radii_around *around, int k, float most,
     float low = 0.0f, high = most;
     int below = count_below(distance2, around->count, low);
     if (below >= k) return 0.0f;
-    for (int i = 0; i < RADII_COUNTS && within - below > RADII_FEW; i++) {
-        const float fraction = ((float)(k - below) - 0.5f) / (float)(within - below);
-        const float limit = low + fraction * (high - low);
+    for (int i = 1; within - below > RADII_FEW; i++) {
+        const float expected = ((float)(k - below) - 0.5f) / (float)(within - below);
+        const float limit = low + (i % RADII_MIDDLE ? expected : 0.5f) * (high - low);
+        if (!(limit > low && limit < high)) break;
         const int n = count_below(distance2, around->count, limit);
         if (n >= k) {
             high = limit;

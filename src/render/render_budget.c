@@ -24,7 +24,8 @@ static const double FIRST_PHOTONS = 1.0 / 16.0;
 // three rooms at 50 us per pixel relMSE is .18, .024 and .074 with .3, and 10, .024 and .083 with
 // .5. With .22 it is .12, .020 and .055, but .0068 instead of .0024 in a scene with a caustic.
 static const double PILOT_FRACTION = 0.5, PILOT_DENOISED = 0.3;
-// Fractions of the time limit.
+// Fractions of the time limit. In a bathroom whose lamps are in glass, .4 and .5 instead of .3 for
+// photons leave .97 and .92 of the variance at 20 core seconds, and make indirect light noisier.
 static const double PHOTONS_UNTIL = 0.3, TABLES_UNTIL = 0.45;
 // The fraction that is used of the number of photons that fit by the time of the first ones, and
 // the factor of their number from which on another pass gains more than it costs.
