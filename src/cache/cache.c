@@ -45,6 +45,18 @@ void cache_options_of(const satin_options *o, struct cache_options out[CACHE_KIN
 }
 #undef OPTIONS_OF
 
+// A record none of whose rays meets anything has no radius of its own. Of a ring on a wide table,
+// the first such records took the whole image, and no light of the ring was left in one of ten
+// drafts. So the influence radius of irradiance records is a fraction of the film at most, or some
+// pixels. That makes no difference to the number of records elsewhere (docs/experiments.md).
+#define FILM_FRACTION 0.125f
+#define FILM_PIXELS 8.0f
+static float limit_pixels(const struct satin_scene *scene, float most) {
+    const int width = scene->film.width, height = scene->film.height;
+    const float film = fmaxf(FILM_FRACTION * (float)(width > height ? width : height), FILM_PIXELS);
+    return isfinite(most) ? fminf(most, film) : most;  // records of further bounces have no pixels
+}
+
 struct cache *cache_new(const struct satin_scene *scene, const satin_options *options, int order) {
     struct cache *c = calloc(1, sizeof *c);
     if (!c) return NULL;
@@ -52,6 +64,7 @@ struct cache *cache_new(const struct satin_scene *scene, const satin_options *op
     c->options = options;
     struct cache_options of[CACHE_KINDS];
     cache_options_of(options, of);
+    of[CACHE_IRRADIANCE].max_pixels = limit_pixels(scene, of[CACHE_IRRADIANCE].max_pixels);
     c->store[CACHE_IRRADIANCE] = (struct cache_store){
         .filled = true, .record_bytes = sizeof(struct cache_irradiance_record)};
     c->store[CACHE_RADIANCE] = (struct cache_store){

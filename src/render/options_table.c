@@ -163,7 +163,8 @@ const struct option options_table[] = {
      "Least influence radius a R of an irradiance record in projected pixels. "
      "irradiance-max-pixels and record-max-radius take precedence."},
     {"irradiance-max-pixels", OPTION_FLOAT, AT(irradiance_max_pixels), false, "1..100000",
-     "Largest influence radius a R of an irradiance record in projected pixels."},
+     "Largest influence radius a R of an irradiance record in projected pixels. At most an eighth "
+     "of the film's longer side, or 8."},
 
     {"radiance-cache", OPTION_BOOL, AT(radiance_cache), false, "off|on",
      "Interpolates glossy indirect light between records. If off, every sample gathers."},

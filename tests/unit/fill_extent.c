@@ -73,6 +73,28 @@ static void largest_pixels_win_over_least(void **state) {
     assert_float_equal(fill_extent_pixels(&f, 5.0f), 2.0f, 1e-4f);
 }
 
+// The largest pixels of irradiance records in a cache for this film, by those of the options.
+static float largest_for_film(int width, int height, float most) {
+    struct satin_scene scene = {.film.width = width, .film.height = height};
+    satin_options options = satin_options_default;
+    options.irradiance_max_pixels = most;
+    struct cache *cache = cache_new(&scene, &options, 1);
+    assert_non_null(cache);
+    const float pixels = cache->store[CACHE_IRRADIANCE].options.max_pixels;
+    cache_free(cache);
+    return pixels;
+}
+
+// A record whose rays meet nothing has no other bound.
+static void film_bounds_irradiance_records(void **state) {
+    (void)state;
+    assert_float_equal(largest_for_film(400, 300, 100000.0f), 50.0f, 0.0f);
+    assert_float_equal(largest_for_film(300, 800, 100000.0f), 100.0f, 0.0f);
+    assert_float_equal(largest_for_film(400, 300, 20.0f), 20.0f, 0.0f);
+    assert_float_equal(largest_for_film(16, 16, 100000.0f), 8.0f, 0.0f);
+    assert_true(isinf(largest_for_film(400, 300, INFINITY)));  // of further bounces
+}
+
 static void scene_units_win_over_pixels(void **state) {
     (void)state;
     struct fill_extent_fixture f;
@@ -106,6 +128,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_bound_what_rays_found),
         cmocka_unit_test(largest_pixels_win_over_least),
+        cmocka_unit_test(film_bounds_irradiance_records),
         cmocka_unit_test(scene_units_win_over_pixels),
         cmocka_unit_test(the_radius_ratio_compares_with_the_wanted_radius),
     };
