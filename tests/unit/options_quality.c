@@ -35,8 +35,10 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     options_quality_seconds(&last, 4.5e-4 * PIXELS, PIXELS);
     satin_options draft = options_quality_make(SATIN_DRAFT),
                   production = options_quality_make(SATIN_PRODUCTION);
-    // Samples that fit are more than those of the preset, so each has fewer gather rays.
+    // Samples that fit are more than those of the preset, so each has fewer gather rays; with
+    // little time they are fewer than those of draft, so each has fewer light samples.
     draft.glossy_samples = production.glossy_samples = 2;
+    draft.light_samples = 2;
     assert_memory_equal(&least, &draft, sizeof least);
     assert_memory_equal(&last, &production, sizeof last);
 }
