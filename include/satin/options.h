@@ -113,6 +113,7 @@ typedef struct satin_options {
 
     // Irradiance cache (diffuse surfaces).
     bool irradiance_cache;
+    bool irradiance_filter;  // what samples gather where no record is near is averaged over pixels
     satin_gradients irradiance_gradients;
     int irradiance_rays;     // gather rays per record
     float irradiance_noise;  // target standard deviation of E over E, which decides the number of

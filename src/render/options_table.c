@@ -134,6 +134,10 @@ const struct option options_table[] = {
 
     {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
      "Interpolates diffuse indirect light between records. If off, every sample gathers."},
+    {"irradiance-filter", OPTION_BOOL, AT(irradiance_filter), false, "off|on",
+     "Where no record is near, averages the irradiance that samples gather over pixels within the "
+     "least radius of a record (irradiance-min-pixels), until they have irradiance-rays. It has no "
+     "effect if the image is denoised."},
     {"irradiance-gradients", OPTION_CHOICE, AT(irradiance_gradients), false,
      "none|stratified|solid-angle|differences|ward-heckbert",
      "Translational gradients of irradiance records: none, from the light that crosses the "

@@ -142,10 +142,29 @@ void render_film_put(const struct render_image *image, const struct channel_plan
 
 struct filming {
     const struct render_image *image;
+    const satin_options *options;
     int first;  // row of the band
     struct channel_planes planes;
     atomic_uint_fast64_t samples, dropped, filled;
 };
+
+static void add_to_channel(const struct channel_planes *planes, int channel, size_t at,
+                           rgb change) {
+    float *const *plane = &planes->of[channel];
+    if (plane[0]) plane[0][at] += change.r;
+    if (plane[1]) plane[1][at] += change.g;
+    if (plane[2]) plane[2][at] += change.b;
+}
+
+static void filter_irradiance(const struct filming *f, size_t at,
+                              const struct image_pixel *source) {
+    const struct render_image *image = f->image;
+    const size_t from = (size_t)(source - image->pixel), width = (size_t)image->width;
+    const rgb change =
+        render_irradiance_change(image, f->options, (int)(from % width), (int)(from / width));
+    add_to_channel(&f->planes, 0, at, change);
+    add_to_channel(&f->planes, CHANNEL_LAYERS + 3 * SHADE_INDIRECT_DIFFUSE, at, change);
+}
 
 static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
     struct filming *f = ctx;
@@ -163,6 +182,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
         dropped += pixel->dropped;
         filled += source != pixel;
         render_film_put(image, &f->planes, at, source);
+        if (source && image->gathered) filter_irradiance(f, at, source);
     }
     atomic_fetch_add(&f->samples, samples);
     atomic_fetch_add(&f->dropped, dropped);
@@ -171,7 +191,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
 
 void render_image_film(struct render *r, bool *any) {
     const struct render_image *image = r->image;
-    struct filming f = {.image = image};
+    struct filming f = {.image = image, .options = &r->options};
     atomic_init(&f.samples, 0);
     atomic_init(&f.dropped, 0);
     atomic_init(&f.filled, 0);

@@ -21,6 +21,7 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
         if ((int)options->cryptomatte >> k & 1) bytes += sizeof(struct cryptomatte_pixel);
     if (options->integrator == SATIN_PATH && !options->denoise)
         bytes += sizeof(struct image_blocks);
+    if (render_irradiance_rays(options) > 0.0f) bytes += sizeof(struct image_gathered);
     if (options->denoise) bytes += 5 * sizeof(rgb);
     if (callbacks->snapshot) bytes += 1.0 + sizeof(float) * render_film_channels(scene, options);
     return bytes * pixels;
@@ -44,10 +45,13 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->film = render_film_new(scene, options);
     const bool variance = image->film && film_channel(image->film, "variance.R");
     if (variance) image->blocks = calloc(pixels, sizeof *image->blocks);
+    // Pages of pixels that have records are never written, and take no memory.
+    const bool filters = render_irradiance_rays(options) > 0.0f;
+    if (filters) image->gathered = calloc(pixels, sizeof *image->gathered);
     image->block = 1;
     while (2 * IMAGE_BLOCKS * image->block <= (uint32_t)options->spp) image->block *= 2;
-    bool ok = (image->blocks || !variance) && image->pixel && image->film &&
-              (image->aov || !aovs->values);
+    bool ok = (image->blocks || !variance) && (image->gathered || !filters) && image->pixel &&
+              image->film && (image->aov || !aovs->values);
     if (ok) ok = render_cryptomatte_make(&image->cryptomatte, scene, options);
     if (ok && options->denoise) ok = render_denoise_memory(image);
     if (ok && render_adaptive_make(&image->adapt, width, height, options->light_samples))
@@ -74,6 +78,7 @@ void render_image_free(struct render_image *image) {
     free(image->planes);
     free(image->uncached);
     free(image->aov);
+    free(image->gathered);
     free(image->blocks);
     free(image->pixel);
     free(image);

@@ -21,6 +21,15 @@ struct image_pixel {
     float rim_weight;
 };
 
+// Sums over the samples of a pixel that gather because no record is near.
+struct image_gathered {
+    rgb light, albedo;  // of struct shade_gathered, weighted
+    vec3 n;
+    float rays;
+    vec3 p;  // of the first of them, as `pixel`
+    float pixel;
+};
+
 // Sums over blocks of a pixel's consecutive samples. The samples of a pixel are stratified, so the
 // variance of their mean is far less than it would be by the differences of single samples; the
 // means of whole blocks are stratified each, and differ by little more than the mean of all.
@@ -71,6 +80,7 @@ struct render_image {
     float *aov;
     size_t sums;  // number of sums per pixel
     struct render_cryptomatte cryptomatte;
+    struct image_gathered *gathered;  // pixel by pixel; NULL: irradiance is not filtered
     struct adaptive_sampling adapt;
     struct image_blocks *blocks;  // of path, for its variance; else NULL
     uint32_t block;               // number of samples of a block, a power of two
@@ -123,6 +133,17 @@ struct channel_planes render_film_planes(const struct render_image *image, struc
 // NULL, only the number of samples.
 void render_film_put(const struct render_image *image, const struct channel_planes *planes,
                      size_t at, const struct image_pixel *source);
+
+// ---- The filter of irradiance where no record is near (render_irradiance_filter.c)
+
+// The number of rays from which on it averages no more; 0 if an image with these options is not
+// filtered.
+float render_irradiance_rays(const satin_options *options);
+// Adds what a sample has gathered.
+void render_irradiance_gathered(struct image_gathered *sum, const struct shade_sample *sample);
+// The change of the diffuse indirect light of pixel (x, y), which has a sample.
+rgb render_irradiance_change(const struct render_image *image, const satin_options *options, int x,
+                             int y);
 
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).

@@ -105,6 +105,7 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
         if (finite && image->aov) add_aovs(image, at, &sample);
         if (finite) render_cryptomatte_add(&image->cryptomatte, at, &sample);
         if (finite && image->blocks) add_to_block(image, at, sample.beauty);
+        if (finite && image->gathered) render_irradiance_gathered(&image->gathered[at], &sample);
         if (finite && image->uncached)
             image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);
         render_adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),

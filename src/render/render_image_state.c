@@ -7,7 +7,7 @@ struct image_plane {
     void *items;
     size_t size;
 };
-enum { IMAGE_PLANES = 5 + CRYPTOMATTES };
+enum { IMAGE_PLANES = 6 + CRYPTOMATTES };
 
 static void list_planes(const struct render_image *image, struct image_plane out[IMAGE_PLANES]) {
     out[0] = (struct image_plane){image->pixel, sizeof *image->pixel};
@@ -15,8 +15,9 @@ static void list_planes(const struct render_image *image, struct image_plane out
     out[2] = (struct image_plane){image->aov, image->sums * sizeof *image->aov};
     out[3] = (struct image_plane){image->blocks, sizeof *image->blocks};
     out[4] = (struct image_plane){image->uncached, sizeof *image->uncached};
+    out[5] = (struct image_plane){image->gathered, sizeof *image->gathered};
     for (int i = 0; i < CRYPTOMATTES; i++)
-        out[5 + i] =
+        out[6 + i] =
             (struct image_plane){image->cryptomatte.pixel[i], sizeof *image->cryptomatte.pixel[i]};
 }
 

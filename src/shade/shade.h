@@ -20,6 +20,15 @@ enum shade_layer {
     SHADE_LAYERS
 };
 
+// Diffuse light that is gathered because no record is near, and where that is.
+struct shade_gathered {
+    rgb light;    // that the diffuse lobe reflects, times the throughput to the eye
+    rgb albedo;   // what it would reflect of irradiance 1, likewise
+    vec3 p, n;    // position, and normal that faces the eye
+    float pixel;  // width of a projected pixel there
+    float rays;   // number of gather rays; 0: the sample did not gather
+};
+
 struct shade_sample {
     rgb beauty;               // the sum of the light layers; of `path`, all light
     rgb uncached;             // the reflected light in it that is from no record, which is noisy
@@ -33,7 +42,8 @@ struct shade_sample {
     uint32_t shape;           // index of the first surface's shape, counted from 1; 0: none
     uint32_t instance;        // of the instance that shows it, likewise
     float weight;             // weight of the sample in the film's filter
-    float aov[AOV_VALUES];    // values that the scene's AOVs need, 0 if there is no surface
+    struct shade_gathered gathered;  // at the first point that gathers
+    float aov[AOV_VALUES];           // values that the scene's AOVs need, 0 if there is no surface
 };
 
 // Whether all light of a sample is finite; otherwise the sample is dropped.

@@ -161,7 +161,8 @@ static int draw_rays(const struct shade_lighting *lighting, const struct lobe_sa
 
 // Importance sampling by gather rays. If by->finding > 0 they also find lights, weighted against
 // light samples, and emitted light through specular surfaces that caustic photons leave out.
-static void sample_lobes(struct shade_lighting *lighting, const struct lobe_sampling *by) {
+// Returns the indirect light that the diffuse lobe reflects.
+static rgb sample_lobes(struct shade_lighting *lighting, const struct lobe_sampling *by) {
     const struct gather *g = lighting->shade->g;
     struct drawn_rays drawn;  // not initialised as a whole, as few are used
     const int rays = draw_rays(lighting, by, &drawn);
@@ -184,14 +185,28 @@ static void sample_lobes(struct shade_lighting *lighting, const struct lobe_samp
         glossy = rgb_fma(glossy, rgb_sub(weight, of_diffuse), ray->L);
     }
     const float each = 1.0f / (float)by->count;
-    if (by->lobes & BRDF_DIFFUSE)
-        shade_add_uncached(lighting, SHADE_INDIRECT_DIFFUSE, rgb_scale(diffuse, each));
+    diffuse = rgb_scale(diffuse, each);
+    if (by->lobes & BRDF_DIFFUSE) shade_add_uncached(lighting, SHADE_INDIRECT_DIFFUSE, diffuse);
     if (by->lobes & ~(unsigned)BRDF_DIFFUSE)
         shade_add_uncached(lighting, SHADE_INDIRECT_GLOSSY, rgb_scale(glossy, each));
     if (by->finding > 0) {
         shade_add_uncached(lighting, SHADE_DIRECT, rgb_scale(direct, 1.0f / (float)by->finding));
         shade_add_uncached(lighting, SHADE_CAUSTIC, rgb_scale(caustic, each));
     }
+    return diffuse;
+}
+
+// Notes diffuse light that was gathered, for the filter of irradiance.
+static void note_gathered(const struct shade_lighting *lighting, rgb light) {
+    const struct shade_vertex *v = lighting->vertex;
+    struct shade_gathered *out = &lighting->out->gathered;
+    if (out->rays > 0.0f) return;
+    *out = (struct shade_gathered){.light = rgb_mul(v->T, light),
+                                   .albedo = rgb_mul(v->T, cache_diffuse_albedo(&v->point)),
+                                   .p = v->point.interaction.p,
+                                   .n = v->point.frame.n,
+                                   .pixel = v->pixel,
+                                   .rays = (float)lighting->shade->missing.rays};
 }
 
 // Adds indirect light where no record is near.
@@ -204,7 +219,8 @@ static void sample_missing(struct shade_lighting *lighting, unsigned lobes) {
                                      0,
                                      MISSING_DIMENSION,
                                      rng_mix(lighting->pixel_stream + 1)};
-    sample_lobes(lighting, &by);
+    const rgb diffuse = sample_lobes(lighting, &by);
+    if (lobes & BRDF_DIFFUSE) note_gathered(lighting, diffuse);
     lighting->worker->counts.gathered++;
 }
 
