@@ -142,6 +142,7 @@ void render_film_put(const struct render_image *image, const struct channel_plan
 
 struct filming {
     const struct render_image *image;
+    const struct satin_scene *scene;
     const satin_options *options;
     int first;  // row of the band
     struct channel_planes planes;
@@ -160,8 +161,8 @@ static void filter_irradiance(const struct filming *f, size_t at,
                               const struct image_pixel *source) {
     const struct render_image *image = f->image;
     const size_t from = (size_t)(source - image->pixel), width = (size_t)image->width;
-    const rgb change =
-        render_irradiance_change(image, f->options, (int)(from % width), (int)(from / width));
+    const rgb change = render_irradiance_change(image, f->scene, f->options, (int)(from % width),
+                                                (int)(from / width));
     add_to_channel(&f->planes, 0, at, change);
     add_to_channel(&f->planes, CHANNEL_LAYERS + 3 * SHADE_INDIRECT_DIFFUSE, at, change);
 }
@@ -191,7 +192,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
 
 void render_image_film(struct render *r, bool *any) {
     const struct render_image *image = r->image;
-    struct filming f = {.image = image, .options = &r->options};
+    struct filming f = {.image = image, .scene = &r->scene, .options = &r->options};
     atomic_init(&f.samples, 0);
     atomic_init(&f.dropped, 0);
     atomic_init(&f.filled, 0);

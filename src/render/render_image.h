@@ -142,8 +142,8 @@ float render_irradiance_rays(const satin_options *options);
 // Adds what a sample has gathered.
 void render_irradiance_gathered(struct image_gathered *sum, const struct shade_sample *sample);
 // The change of the diffuse indirect light of pixel (x, y), which has a sample.
-rgb render_irradiance_change(const struct render_image *image, const satin_options *options, int x,
-                             int y);
+rgb render_irradiance_change(const struct render_image *image, const struct satin_scene *scene,
+                             const satin_options *options, int x, int y);
 
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).

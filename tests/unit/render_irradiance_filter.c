@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "base/rng.h"
+#include "test_scene.h"
 
 enum { SIDE = 48, SAMPLES = 4 };
 static const float PIXEL = 0.01f;
@@ -26,6 +27,24 @@ static struct image_gathered gathered[SIDE * SIDE];
 static struct image_pixel sampled_pixels[SIDE * SIDE];
 static const struct render_image film_image = {
     .width = SIDE, .height = SIDE, .pixel = sampled_pixels, .gathered = gathered};
+
+// A partition that stands in the plane x = 0, in which no pixel is.
+static struct test_scene two_room_scene;
+
+static int render_irradiance_setup(void **state) {
+    (void)state;
+    const struct mat4 stand = mat4_rotate(v3(0, 1, 0), 90.0f);
+    test_scene_init(&two_room_scene);
+    test_rectangle(&two_room_scene, stand, test_diffuse(&two_room_scene, 0.5f, 0.5f, 0.5f));
+    test_scene_finish(&two_room_scene);
+    return 0;
+}
+
+static int render_irradiance_teardown(void **state) {
+    (void)state;
+    test_scene_free(&two_room_scene);
+    return 0;
+}
 
 // Albedos that vary from pixel to pixel, as those of a texture.
 static rgb albedo_of(int x, int y) {
@@ -60,7 +79,7 @@ static void render_irradiance_image(wall_fn *at, float rays) {
 // The irradiance of a pixel after the filter, by its green channel.
 static double render_irradiance_at(const satin_options *o, int x, int y) {
     const struct image_gathered *p = &gathered[y * SIDE + x];
-    const rgb change = render_irradiance_change(&film_image, o, x, y);
+    const rgb change = render_irradiance_change(&film_image, &two_room_scene.scene, o, x, y);
     return (double)(p->light.g / (float)SAMPLES + change.g) / (double)albedo_of(x, y).g;
 }
 
@@ -78,7 +97,8 @@ static double mean_of_columns(const satin_options *o, int x0, int x1, double *de
 }
 
 static struct wall one_wall(int x, int y) {
-    return (struct wall){{PIXEL * (float)x, PIXEL * (float)y, 0.0f}, {0.0f, 0.0f, 1.0f}, 1.0f};
+    return (struct wall){
+        {1.0f + PIXEL * (float)x, PIXEL * (float)y, 0.0f}, {0.0f, 0.0f, 1.0f}, 1.0f};
 }
 
 // Two walls that meet in an edge, one lit ten times as much.
@@ -86,6 +106,13 @@ static struct wall edge(int x, int y) {
     const float from = PIXEL * (float)(x - SIDE / 2);
     if (x < SIDE / 2) return (struct wall){{from, PIXEL * (float)y, 0.0f}, {0, 0, 1}, 10.0f};
     return (struct wall){{0.0f, PIXEL * (float)y, -from}, {1, 0, 0}, 1.0f};
+}
+
+// A floor in two rooms.
+static struct wall two_rooms(int x, int y) {
+    const float from = PIXEL * ((float)(x - SIDE / 2) + 0.5f);
+    return (struct wall){
+        {from, PIXEL * (float)(y - SIDE / 2), 0.0f}, {0, 0, 1}, from < 0.0f ? 10.0f : 1.0f};
 }
 
 // A wall before another one of the same orientation.
@@ -111,9 +138,9 @@ static void neighbours_are_averaged(void **state) {
 
 static void other_surfaces_are_not(void **state) {
     (void)state;
-    wall_fn *const walls[] = {edge, two_depths};
+    wall_fn *const walls[] = {edge, two_depths, two_rooms};
     double deviation;
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         render_irradiance_image(walls[i], 1.0f);
         for (int x = SIDE / 2 - 2; x < SIDE / 2 + 2; x++) {
             const double mean = mean_of_columns(&satin_options_default, x, x + 1, &deviation);
@@ -127,7 +154,8 @@ static void many_rays_suffice(void **state) {
     (void)state;
     render_irradiance_image(one_wall, 1000.0f);
     for (int x = 0; x < SIDE; x++) {
-        const rgb change = render_irradiance_change(&film_image, &satin_options_default, x, x);
+        const rgb change = render_irradiance_change(&film_image, &two_room_scene.scene,
+                                                    &satin_options_default, x, x);
         assert_true(fabsf(change.g) <= 1e-6f * gathered[x * SIDE + x].light.g);
     }
 }
@@ -136,7 +164,8 @@ static void pixels_with_records_stay(void **state) {
     (void)state;
     render_irradiance_image(one_wall, 1.0f);
     gathered[5 * SIDE + 5] = (struct image_gathered){.rays = 0.0f};
-    assert_true(rgb_black(render_irradiance_change(&film_image, &satin_options_default, 5, 5)));
+    assert_true(rgb_black(render_irradiance_change(&film_image, &two_room_scene.scene,
+                                                   &satin_options_default, 5, 5)));
 }
 
 static void denoised_images_have_no_filter(void **state) {
@@ -155,5 +184,5 @@ int main(void) {
         cmocka_unit_test(neighbours_are_averaged), cmocka_unit_test(other_surfaces_are_not),
         cmocka_unit_test(many_rays_suffice), cmocka_unit_test(pixels_with_records_stay),
         cmocka_unit_test(denoised_images_have_no_filter)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, render_irradiance_setup, render_irradiance_teardown);
 }
