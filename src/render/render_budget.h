@@ -230,5 +230,7 @@ enum { RENDER_LIGHT_SAMPLES_MOST = 16 };
 enum { RENDER_CHECKPOINT_SECONDS = 60 };
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
+// Whether irradiance is filtered where no record is near, likewise.
+bool render_budget_filters(const struct render *r);
 
 #endif

@@ -144,7 +144,8 @@ struct filming {
     const struct render_image *image;
     const struct satin_scene *scene;
     const satin_options *options;
-    int first;  // row of the band
+    bool filters;  // whether irradiance is filtered
+    int first;     // row of the band
     struct channel_planes planes;
     atomic_uint_fast64_t samples, dropped, filled;
 };
@@ -183,7 +184,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
         dropped += pixel->dropped;
         filled += source != pixel;
         render_film_put(image, &f->planes, at, source);
-        if (source && image->gathered) filter_irradiance(f, at, source);
+        if (source && f->filters) filter_irradiance(f, at, source);
     }
     atomic_fetch_add(&f->samples, samples);
     atomic_fetch_add(&f->dropped, dropped);
@@ -192,7 +193,10 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
 
 void render_image_film(struct render *r, bool *any) {
     const struct render_image *image = r->image;
-    struct filming f = {.image = image, .scene = &r->scene, .options = &r->options};
+    struct filming f = {.image = image,
+                        .scene = &r->scene,
+                        .options = &r->options,
+                        .filters = image->gathered && render_budget_filters(r)};
     atomic_init(&f.samples, 0);
     atomic_init(&f.dropped, 0);
     atomic_init(&f.filled, 0);
