@@ -2,7 +2,7 @@
 // Filters irradiance where no record is near [Kontkanen et al. 2004]: what the samples of a pixel
 // gather there is averaged with what those of the pixels around it gather, with the weights that
 // records of the least radius would have. So a gap between records is as smooth as they are. Of
-// some kernels, each pixel has the smallest one with the rays of a record.
+// some kernels, each pixel has the smallest one with enough rays.
 #include "render/render_image.h"
 
 // The largest radius of a kernel in pixels, which limits the time of the filter, and the ratio of
