@@ -23,16 +23,19 @@ SCENES = ["indirect-room", "cornell-glossy", "cornell-metal", "caustic", "sphere
 QUALITIES = ["draft", "preview", "production"]
 
 
-def measure(options, scene, args):
-    errors, walls, cpus = [], [], []
-    for seed in range(options.seeds):
-        before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-        image, _ = runs.render(options, runs.scene_file(scene), "limit-" + scene, *args, "--seed",
-                               str(seed))
-        walls.append(time.monotonic() - start)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        cpus.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
-        errors.append(runs.error(options, image, scene)[0])
+def render_once(options, scene, args, seed):
+    """The relMSE of a render, its wall and its processor seconds."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    image, _ = runs.render(options, runs.scene_file(scene), "limit-" + scene, *args, "--seed",
+                           str(seed))
+    wall = time.monotonic() - start
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    return runs.error(options, image, scene)[0], wall, cpu
+
+
+def mean_row(options, args, renders):
+    errors, walls, cpus = zip(*renders)
     spread = statistics.stdev(errors) / math.sqrt(len(errors)) if len(errors) > 1 else 0.0
     return {"run": " ".join(args), "error": statistics.mean(errors), "spread": spread,
             "wall": statistics.mean(cpus if options.cpu else walls), "cpu": statistics.mean(cpus)}
@@ -53,15 +56,19 @@ def show(scene, row, beside=""):
 
 
 def measure_scene(options, scene):
-    limits = []
-    for seconds in options.limits:
-        limits.append(measure(options, scene, ["--time", "%g" % seconds]))
-        show(scene, limits[-1])
-    presets = []
-    for quality in QUALITIES:
-        presets.append(measure(options, scene, ["--quality", quality]))
-        ratio = presets[-1]["error"] / error_at(limits, presets[-1]["wall"])
-        show(scene, presets[-1], "%.2f" % ratio)
+    arguments = [["--time", "%g" % seconds] for seconds in options.limits] + \
+                [["--quality", quality] for quality in QUALITIES]
+    renders = [[] for _ in arguments]
+    # All runs by one seed, then those by the next, so that a busy machine slows all of them down.
+    for seed in range(options.seeds):
+        for args, done in zip(arguments, renders):
+            done.append(render_once(options, scene, args, seed))
+    rows = [mean_row(options, args, done) for args, done in zip(arguments, renders)]
+    limits, presets = rows[:len(options.limits)], rows[len(options.limits):]
+    for row in limits:
+        show(scene, row)
+    for row in presets:
+        show(scene, row, "%.2f" % (row["error"] / error_at(limits, row["wall"])))
     rises = [b["run"] for a, b in zip(limits, limits[1:])
              if b["error"] > a["error"] + 3.0 * math.hypot(a["spread"], b["spread"])]
     for run in rises:

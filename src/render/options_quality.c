@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options as functions of effort: a table of three presets, each at the effort that it takes on
-// the data scenes. Between them options are power laws, which are straight lines over the logarithm
-// of effort. With less time than the first preset takes, its records are coarser
-// (render_budget.c). Beyond the last preset they continue by powers of effort, so that
-// many cores or much time are spent where that lowers the error. The time and the error of the
-// presets, and of 16 times the effort of the last one, are in docs/experiments.md.
+// The options as functions of effort: a table of three presets, each at an effort whose time limit
+// has its options, but for those that `by_time` lists. Between them options are power laws, which
+// are straight lines over the logarithm of effort. With less time than the first preset takes, its
+// records are coarser (render_budget.c). Beyond the last preset they continue by powers of effort,
+// so that many cores or much time are spent where that lowers the error. The time and the error of
+// the presets, and of 16 times the effort of the last one, are in docs/experiments.md.
 #include "render/options_quality.h"
 
 #include <math.h>
@@ -30,16 +30,16 @@ static const struct {
                       .irradiance_min_pixels = 4.0f,
                       .radiance_order = 12,
                       .radiance_rays = 1000,
-                      .radiance_a = 0.4f,
+                      .radiance_a = 0.3f,
                       .radiance_widen = 2.0f,
                       .radiance_min_pixels = 4.0f}},
-    [SATIN_PREVIEW] = {1.3e-4, 16, {OPTIONS_QUALITY_PREVIEW}},
+    [SATIN_PREVIEW] = {1.3e-4, 25, {OPTIONS_QUALITY_PREVIEW}},
     [SATIN_PRODUCTION] = {4.5e-4,
-                          36,
-                          {.light_samples = 4,
+                          64,
+                          {.light_samples = 8,
                            .glossy_samples = 4,
-                           .photons = 2500000,
-                           .caustic_photons = 4000000,
+                           .photons = 1500000,
+                           .caustic_photons = 2500000,
                            .irradiance_rays = 2000,
                            .irradiance_a = 0.15f,
                            .irradiance_widen = 2.0f,
@@ -79,12 +79,29 @@ enum { BEYOND = sizeof beyond / sizeof *beyond };
 // with 1 and 4, .0086 and .0096, .0015 and .0018.
 static const double TIMED_GLOSSY = 2.0, DENOISED_GLOSSY = 1.0;
 
-// Light samples per pixel sample up to the effort of the first preset, from which on they grow to
-// those of the second one. A short limit has few pixel samples, of which each needs its own: with 4
-// instead of 2, living-room had 1.2 times the variance at 360 microseconds per pixel, and sixteen
-// other scenes .98 times. The preset has nine: with 4, .74, .82 and .98 times the error in vase,
-// cornell-glossy and indirect-room, in as much time.
-static const double TIMED_LIGHT = 2.0;
+// Options of time limits at the effort of a preset that are not the preset's own.
+// - At that of draft: a short limit has few pixel samples, of which each needs its own light. With
+// 4
+//   instead of 2 light samples, living-room had 1.2 times the variance at 360 microseconds per
+//   pixel, and sixteen other scenes .98 times. The preset has nine: with 4, .74, .82 and .98 times
+//   the error in vase, cornell-glossy and indirect-room, in as much time. Radiance records of the
+//   preset's accuracy are 5 % of its time at most and vary less from seed to seed: a block of 8x8
+//   pixels in glossy-room by 2 % instead of 11. Limits gain nothing by them, having finer rounds.
+// - At that of production: the image takes the samples that fit, so more photons do not lack any.
+//   The preset with 4 light samples, these photons and 36 samples per pixel had 1.6, 1.0 and 1.1
+//   times the error of a limit as long in these scenes; now it has 1.0, .9 and 1.0 times.
+static const struct {
+    satin_quality quality;
+    size_t offset;  // of the option's field
+    double value;
+} by_time[] = {
+    {SATIN_DRAFT, offsetof(satin_options, light_samples), 2.0},
+    {SATIN_DRAFT, offsetof(satin_options, radiance_a), 0.4},
+    {SATIN_PRODUCTION, offsetof(satin_options, light_samples), 4.0},
+    {SATIN_PRODUCTION, offsetof(satin_options, photons), 2500000.0},
+    {SATIN_PRODUCTION, offsetof(satin_options, caustic_photons), 4000000.0},
+};
+enum { BY_TIME = sizeof by_time / sizeof *by_time };
 
 // Photons serve the whole image, so their number depends on its total time; that of the presets on
 // the time of an image of this many pixels.
@@ -158,19 +175,21 @@ static void extrapolate_option(satin_options *options, const struct option *o, d
     }
 }
 
-// The value of an option at the effort of preset i.
-static double preset_value(int i, const struct option *o) {
-    if (i == 0 && o->offset == offsetof(satin_options, light_samples)) return TIMED_LIGHT;
-    return number_value(&preset[i].options, o);
+// The value of an option of a time limit at the effort of that preset.
+static double timed_value(int quality, const struct option *o) {
+    for (int i = 0; i < BY_TIME; i++)
+        if ((int)by_time[i].quality == quality && by_time[i].offset == o->offset)
+            return by_time[i].value;
+    return number_value(&preset[quality].options, o);
 }
 
 static void set_by_effort(satin_options *options, const struct option *o, double effort) {
     double fraction;
     const int i = find_preset(effort, &fraction);
-    set_number(options, o, preset_value(i, o));
+    set_number(options, o, timed_value(i, o));
     if (i == PRESETS - 1) extrapolate_option(options, o, effort / preset[i].effort);
     if (fraction == 0.0) return;
-    const double from = log(preset_value(i, o)), to = log(preset_value(i + 1, o));
+    const double from = log(timed_value(i, o)), to = log(timed_value(i + 1, o));
     set_number(options, o, exp(from + fraction * (to - from)));
 }
 

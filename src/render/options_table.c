@@ -32,7 +32,7 @@ const struct option options_table[] = {
      "added to it and freed, so that photons need not fit into memory."},
     {"spp", OPTION_INT, AT(spp), false, "0..1048576",
      "Samples per pixel; of integrator sppm, passes. With 0 a time limit decides; without a time "
-     "limit, integrators path and sppm take the scene's number, and the others take 9, 16 or 36 by "
+     "limit, integrators path and sppm take the scene's number, and the others take 9, 25 or 64 by "
      "the quality."},
     {"adaptive-sampling", OPTION_BOOL, AT(adaptive_sampling), false, "off|on",
      "Three quarters of the samples go to noisy pixels, so that spp is the mean. If off, with "

@@ -36,9 +36,15 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     satin_options draft = options_quality_make(SATIN_DRAFT),
                   production = options_quality_make(SATIN_PRODUCTION);
     // Samples that fit are more than those of the preset, so each has fewer gather rays; with
-    // little time they are fewer than those of draft, so each has fewer light samples.
+    // little time they are fewer than those of draft, so each has fewer light samples, and
+    // finer rounds of records follow coarser ones. A long limit has time for more photons than the
+    // preset, whose time goes to its samples.
     draft.glossy_samples = production.glossy_samples = 2;
     draft.light_samples = 2;
+    draft.radiance_a = 0.4f;
+    production.light_samples = 4;
+    production.photons = 2500000;
+    production.caustic_photons = 4000000;
     assert_memory_equal(&least, &draft, sizeof least);
     assert_memory_equal(&last, &production, sizeof last);
 }
