@@ -39,17 +39,18 @@ double render_time_left(const struct render *r);
 // The seconds from the end of a snapshot that took so long until the next one.
 double render_budget_snapshot(double seconds, int threads);
 
-// The pilot (render_image_pilot.c): the largest number of its pixels along a side of the image, and
-// of the samples of each. This number of pixels shows V within 5 % and q within .2 % from seed to
-// seed (cornell-glossy and indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04
+// The pilots (render_image_pilot.c): the largest number of its pixels along a side of the image,
+// and of the samples of each. This number of pixels shows V within 5 % and q within .2 % from seed
+// to seed (cornell-glossy and indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04
 // core seconds in either scene. render_adaptive_compare needs at least two halves of two samples.
 enum { RENDER_PILOT_SIDE = 64, RENDER_PILOT_LEAST = 16, RENDER_PILOT_SAMPLES = 4 };
 // The number of its pixels along a side for which there is time, at so many samples per second.
 int render_budget_pilot(const struct render *r, double samples);
-// Measurements of the pilot.
+// Measurements of a pilot.
 struct render_pace {
     double rays, samples;  // per second: gather rays of records, samples of the image
     double variance;       // V: the image's variance by n samples per pixel is V n^-1.5
+    double direct;         // variance of direct light and caustics, by one sample
     double indirect2;      // q: the mean square of a pixel's indirect light
 };
 
@@ -64,6 +65,9 @@ void render_limit_bounces(struct render *r, double start, double done);
 // the sum of its variance by n samples per pixel and of ERROR_RAYS q / rays, by the number of its
 // records' gather rays per pixel. NULL: nothing is measured yet.
 void render_limit_records(struct render *r, const struct render_pace *measured);
+// Records of the first round, as soon as a few are measured: by the variance of direct light
+// alone, and with time to cover the image even if that takes longer.
+void render_limit_first_records(struct render *r, const struct render_pace *measured);
 void render_limit_image(struct render *r);
 void render_limit_coarse(struct render *r);  // after a cancellation, even without a time limit
 // Lifts the limit for the following loops, which are short. It is set again by

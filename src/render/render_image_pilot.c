@@ -1,20 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pilot of a render with a time limit: samples a few pixels with the coarse records of the first
-// round, to measure what determines the division of time between records and image
-// (render_budget.h): samples per second, their variance, and the fraction of the light that is from
-// records.
+// Pilots of a render with a time limit: they sample a few pixels, with the first records and with
+// the coarse records of the first round, to measure what determines the division of time between
+// records and image (render_budget.h): samples per second, their variance, and the fraction of the
+// light that is from records.
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "render/render_state.h"
 
+// Sums over the samples of a pixel.
+struct pilot_pixel {
+    rgb indirect;
+    float direct, direct2;  // luminance of direct light and caustics, and its square
+};
+
 struct image_pilot {
     struct render *r;
     struct adaptive_sampling adapt;
     struct shade_worker *worker;
-    rgb *indirect;  // of each pilot pixel
+    struct pilot_pixel *pixel;
     int columns, rows;
 };
+
+static void add_to_pixel(struct pilot_pixel *pixel, const struct shade_sample *s) {
+    const rgb indirect = rgb_add(s->layer[SHADE_INDIRECT_DIFFUSE], s->layer[SHADE_INDIRECT_GLOSSY]);
+    const float y = rgb_luminance(rgb_add(s->layer[SHADE_DIRECT], s->layer[SHADE_CAUSTIC]));
+    pixel->indirect = rgb_add(pixel->indirect, indirect);
+    pixel->direct += y;
+    pixel->direct2 += y * y;
+}
 
 static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
     struct image_pilot *pilot = ctx;
@@ -34,9 +49,8 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
                         &s);
             const bool finite = shade_sample_finite(&s);
             rgb light = finite ? rgb_sub(s.beauty, s.layer[SHADE_EMISSION]) : rgb_grey(0.0f);
-            rgb indirect = rgb_add(s.layer[SHADE_INDIRECT_DIFFUSE], s.layer[SHADE_INDIRECT_GLOSSY]);
             render_adaptive_add(pixel, light, finite ? s.light_variance : 0.0f);
-            if (finite) pilot->indirect[i] = rgb_add(pilot->indirect[i], indirect);
+            if (finite) add_to_pixel(&pilot->pixel[i], &s);
         }
     }
 }
@@ -47,11 +61,30 @@ static double mean_square_indirect(const struct image_pilot *pilot) {
     double q = 0.0;
     for (size_t i = 0; i < n; i++) {
         const struct adaptive_pixel *p = &pilot->adapt.pixel[i];
-        float all = rgb_luminance(p->sum), indirect = rgb_luminance(pilot->indirect[i]);
+        float all = rgb_luminance(p->sum), indirect = rgb_luminance(pilot->pixel[i].indirect);
         float fraction = all > 0.0f ? fminf(indirect / all, 1.0f) : 0.0f;
         q += (double)(fraction * fraction) / (double)n;
     }
     return q;
+}
+
+// The variance of direct light by one sample, relative to the squares of the pixels' means and, as
+// most black pixels stay black, to a hundredth of the square of the mean of all.
+static double direct_variance(const struct image_pilot *pilot) {
+    const size_t n = (size_t)pilot->columns * (size_t)pilot->rows;
+    const double count = RENDER_PILOT_SAMPLES;
+    double mean = 0.0, sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        mean += rgb_luminance(pilot->adapt.pixel[i].sum) / count / (double)n;
+    for (size_t i = 0; i < n; i++) {
+        const struct pilot_pixel *p = &pilot->pixel[i];
+        const double all = rgb_luminance(pilot->adapt.pixel[i].sum) / count;
+        const double direct = p->direct / count, direct2 = p->direct2 / count;
+        const double variance = fmax(direct2 - direct * direct, 0.0) * count / (count - 1.0);
+        const double square = all * all + 0.01 * mean * mean;
+        if (square > 0.0) sum += variance / square;
+    }
+    return sum / (double)n;
 }
 
 static bool pilot_make(struct image_pilot *pilot, struct render *r, int side) {
@@ -60,8 +93,8 @@ static bool pilot_make(struct image_pilot *pilot, struct render *r, int side) {
     const int rows = r->options.height < side ? r->options.height : side;
     *pilot = (struct image_pilot){.r = r, .columns = columns, .rows = rows};
     pilot->worker = array_new((size_t)workers, sizeof *pilot->worker);
-    pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
-    if (!pilot->worker || !pilot->indirect) return false;
+    pilot->pixel = array_new((size_t)columns * (size_t)rows, sizeof *pilot->pixel);
+    if (!pilot->worker || !pilot->pixel) return false;
     for (int i = 0; i < workers; i++) pilot->worker[i].gather = r->second_pass.shade.worker[i];
     return render_adaptive_make(&pilot->adapt, columns, rows, r->options.light_samples);
 }
@@ -69,7 +102,7 @@ static bool pilot_make(struct image_pilot *pilot, struct render *r, int side) {
 static void pilot_destroy(struct image_pilot *pilot) {
     render_adaptive_destroy(&pilot->adapt);
     free(pilot->worker);
-    free(pilot->indirect);
+    free(pilot->pixel);
 }
 
 // Samples a grid of pixels, so many along a side.
@@ -93,10 +126,18 @@ static satin_status sample_grid(struct render *r, int side, struct render_pace *
         const double seconds = render_agreed(r, stats_wall() - start);
         pace->samples = RENDER_PILOT_SAMPLES * (double)pixels / fmax(seconds, 1e-9);
         pace->variance = render_adaptive_variance(&pilot.adapt);
+        pace->direct = direct_variance(&pilot);
         pace->indirect2 = mean_square_indirect(&pilot);
     }
     pilot_destroy(&pilot);
     return whole ? SATIN_OK : SATIN_CANCELLED;
+}
+
+satin_status render_first_pilot(struct render *r, struct render_pace *pace) {
+    const char *part = parallel_begin_part(r->pool, "pilot");
+    satin_status status = sample_grid(r, RENDER_PILOT_LEAST, pace);
+    parallel_begin_part(r->pool, part);
+    return status;
 }
 
 // A small grid shows the speed, and how large a grid the time allows.

@@ -15,7 +15,8 @@ struct record_rounds {
     struct render *r;
     struct render_covering covering;
     struct render_sites sites;
-    bool finer;  // whether a round after the first one is finished
+    bool measured;  // whether the time of the first round follows from its first records
+    bool finer;     // whether a round after the first one is finished
 };
 
 // A level of a round.
@@ -108,6 +109,20 @@ static void end_block(struct record_rounds *rounds, struct record_level *level,
     if (r->frames.view) r->frames.records[block->view] += made;
 }
 
+// Divides the time between records and image by the first block with records, found at `found`,
+// unless the image's noise is removed.
+static satin_status measure_first(struct record_rounds *rounds, double found) {
+    struct render *r = rounds->r;
+    const double rays = (double)cache_rays(r->second_pass.cache);
+    if (rounds->measured || r->options.denoise || !(rays > 0.0)) return SATIN_OK;
+    const double seconds = render_agreed(r, stats_wall() - found);
+    struct render_pace pace = {.rays = rays / fmax(seconds, 1e-9)};
+    rounds->measured = true;
+    const satin_status status = render_first_pilot(r, &pace);
+    if (status == SATIN_OK) render_limit_first_records(r, &pace);
+    return status;
+}
+
 // Whether the level is filled although its sites have to be searched.
 static bool level_pays(const struct record_rounds *rounds, const struct record_level *level) {
     return !level->covering || render_covering_pays(&rounds->covering, all_pixels(rounds, level),
@@ -138,6 +153,7 @@ static satin_status cover_levels(struct record_rounds *rounds, struct render_fac
                 status = fill_records(r->second_pass.fill, k, &sites);
             }
             end_block(rounds, &level, &block);
+            if (status == SATIN_OK && covering) status = measure_first(rounds, block.found);
         }
         free(level.pixel);
         render_covering_next(&rounds->covering);

@@ -54,6 +54,7 @@ struct render_progress {
     enum render_stage cancelled_in;  // in which the caller cancelled; STAGE_SETUP: not cancelled
     enum render_course course;
     double start;        // wall clock at the beginning of the render
+    double covered;      // seconds after it at which the first round of records should be done
     double deadline;     // seconds after it at which the current loop is stopped; INFINITY: none
     double stage_start;  // wall clock at the beginning of the stage
     double items;        // units of work of the stage; 0: not counted
@@ -245,8 +246,9 @@ satin_status render_recursive_bounces(struct render *r);
 void render_recursive_bounces_free(struct render *r);
 
 // ---- render_image_pilot.c
-// Samples a few pixels with the records so far; sets all members of *pace except its rays.
-// SATIN_CANCELLED if it was stopped early.
+// Sample a few pixels with the records so far, the first pilot fewer ones; set all members of *pace
+// except its rays. SATIN_CANCELLED if they were stopped early.
+satin_status render_first_pilot(struct render *r, struct render_pace *pace);
 satin_status render_image_pilot(struct render *r, struct render_pace *pace);
 
 // ---- render_cache.c: files of records

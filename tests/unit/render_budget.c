@@ -3,6 +3,7 @@
 // records as much as follows from the measured paces; and the numbers of photons, samples and rays.
 #include "render/render_budget.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -234,6 +235,29 @@ static void records_get_the_time_that_the_pilot_suggests(void **state) {
     parallel_free(r.pool);
 }
 
+// The first records cover the image soon where direct light is noisy, with time left if that takes
+// longer, and in no case is more planned than without any measurement.
+static void first_records_leave_time_for_noisy_direct_light(void **state) {
+    (void)state;
+    struct render r = render_budget_make(1000.0);
+    struct render_pace pace = {.rays = 1e5, .samples = 1e5, .direct = 1e6, .indirect2 = 0.5};
+    render_limit_records(&r, NULL);
+    const double planned = render_budget_first_round(&r), limit = r.progress.deadline;
+    render_limit_first_records(&r, &pace);
+    const double noisy = render_budget_first_round(&r);
+    assert_true(0.0 < noisy && noisy < 0.5 * planned);
+    assert_true(r.progress.deadline > 2.0 * noisy && r.progress.deadline < limit - 10.0);
+    pace.direct = 0.0;
+    render_limit_first_records(&r, &pace);
+    assert_true(render_budget_first_round(&r) > 2.0 * noisy);
+    assert_true(render_budget_first_round(&r) < planned + 1.0);
+    assert_true(fabs(r.progress.deadline - limit) < 1.0);
+    // What takes longer than planned goes on with a tenth of the rest.
+    r.progress.covered = 0.0;
+    assert_true(render_budget_first_round(&r) > 10.0);
+    parallel_free(r.pool);
+}
+
 static void passes_grow_until_little_is_left(void **state) {
     (void)state;
     struct render r = render_budget_make(1000.0);
@@ -339,6 +363,7 @@ int main(void) {
         cmocka_unit_test(lookups_of_fewer_photons_are_wider),
         cmocka_unit_test(starved_maps_alone_are_made_again),
         cmocka_unit_test(records_get_the_time_that_the_pilot_suggests),
+        cmocka_unit_test(first_records_leave_time_for_noisy_direct_light),
         cmocka_unit_test(passes_grow_until_little_is_left),
         cmocka_unit_test(passes_take_what_the_options_say),
         cmocka_unit_test(first_samples_are_few),
