@@ -80,16 +80,17 @@ enum { BEYOND = sizeof beyond / sizeof *beyond };
 static const double TIMED_GLOSSY = 2.0, DENOISED_GLOSSY = 1.0;
 
 // Options of time limits at the effort of a preset that are not the preset's own.
-// - At that of draft: a short limit has few pixel samples, of which each needs its own light. With
-// 4
-//   instead of 2 light samples, living-room had 1.2 times the variance at 360 microseconds per
-//   pixel, and sixteen other scenes .98 times. The preset has nine: with 4, .74, .82 and .98 times
-//   the error in vase, cornell-glossy and indirect-room, in as much time. Radiance records of the
-//   preset's accuracy are 5 % of its time at most and vary less from seed to seed: a block of 8x8
-//   pixels in glossy-room by 2 % instead of 11. Limits gain nothing by them, having finer rounds.
-// - At that of production: the image takes the samples that fit, so more photons do not lack any.
-//   The preset with 4 light samples, these photons and 36 samples per pixel had 1.6, 1.0 and 1.1
-//   times the error of a limit as long in these scenes; now it has 1.0, .9 and 1.0 times.
+//
+// At that of draft: a short limit has few pixel samples, of which each needs its own light. With 4
+// instead of 2 light samples, living-room had 1.2 times the variance at 360 microseconds per pixel,
+// and sixteen other scenes .98 times. The preset has nine: with 4, .74, .82 and .98 times the error
+// in vase, cornell-glossy and indirect-room, in as much time. Radiance records of the preset's
+// accuracy are 5 % of its time at most and vary less from seed to seed: a block of 8x8 pixels in
+// glossy-room by 2 % instead of 11. Limits gain nothing by them, having finer rounds.
+//
+// At that of production: the image takes the samples that fit, so more photons do not lack any. The
+// preset with 4 light samples, these photons and 36 samples per pixel had 1.6, 1.0 and 1.1 times
+// the error of a limit as long in these scenes; now it has .9, .7 and 1.2 times.
 static const struct {
     satin_quality quality;
     size_t offset;  // of the option's field

@@ -141,7 +141,7 @@ enum {
     RIM_RAYS_CORE_SECOND = 32
 };
 // The samples of a pixel that a core second per pixel allows, with all that is before the image:
-// those of quality preview. Their number is not known when it is first needed.
+// those that quality preview had. Their number is not known when it is first needed.
 static const double CORE_SECOND_SAMPLES = 16.0 / 1.3e-4;
 // The number of rays at rims per pixel of the whole image. Where one pixel in twelve is at a rim,
 // as in a room with many windows, 16 leave .0007 of emission's relMSE instead of .0020 with 2, for
@@ -259,19 +259,23 @@ static double balance(const struct render *r, const struct render_pace *pace, do
     return best;
 }
 
+// Records end after the fraction `most` of the remaining time, their first round after `covered`.
+static void limit_records(struct render *r, double most, double covered) {
+    const double now = render_elapsed(r), left = image_seconds(r);
+    r->progress.deadline = now + most * left;
+    r->progress.covered = now + covered * left;
+}
+
 void render_limit_records(struct render *r, const struct render_pace *measured) {
     const double variance = measured ? measured->variance / VARIANCE_GAIN : 0.0;
     const double fraction = measured ? balance(r, measured, variance) : RECORDS_FRACTION;
-    const double now = render_elapsed(r), left = image_seconds(r);
-    r->progress.deadline = now + fraction * left;
-    r->progress.covered = now + COVER_UNMEASURED * fraction * left;
+    limit_records(r, fraction, COVER_UNMEASURED * fraction);
 }
 
 void render_limit_first_records(struct render *r, const struct render_pace *measured) {
     const double fraction = balance(r, measured, measured->direct / DIRECT_GAIN);
-    const double now = render_elapsed(r), left = image_seconds(r);
-    r->progress.deadline = now + fmin(COVER_MOST * fraction, RECORDS_FRACTION) * left;
-    r->progress.covered = now + COVER_FRACTION * fmin(fraction, RECORDS_FRACTION) * left;
+    limit_records(r, fmin(COVER_MOST * fraction, RECORDS_FRACTION),
+                  COVER_FRACTION * fmin(fraction, RECORDS_FRACTION));
 }
 
 int render_budget_pilot(const struct render *r, double samples) {

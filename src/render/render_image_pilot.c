@@ -68,8 +68,8 @@ static double mean_square_indirect(const struct image_pilot *pilot) {
     return q;
 }
 
-// The variance of direct light by one sample, relative to the squares of the pixels' means and, as
-// most black pixels stay black, to a hundredth of the square of the mean of all.
+// The mean over the pixels of the variance of direct light by one sample, relative to the square of
+// the pixel's light plus a hundredth of that of the mean of all, as errors of images are.
 static double direct_variance(const struct image_pilot *pilot) {
     const size_t n = (size_t)pilot->columns * (size_t)pilot->rows;
     const double count = RENDER_PILOT_SAMPLES;
@@ -113,6 +113,7 @@ static satin_status sample_grid(struct render *r, int side, struct render_pace *
         return SATIN_ERROR_MEMORY;
     }
     const size_t pixels = (size_t)pilot.columns * (size_t)pilot.rows;
+    const char *part = parallel_begin_part(r->pool, "pilot");
     const double start = stats_wall(), limit = render_limit_lift(r);
     bool whole = true;
     for (uint32_t n = RENDER_PILOT_SAMPLES / 2; whole && n <= RENDER_PILOT_SAMPLES;
@@ -122,6 +123,7 @@ static satin_status sample_grid(struct render *r, int side, struct render_pace *
         render_adaptive_compare(&pilot.adapt);
     }
     render_limit_restore(r, limit);
+    parallel_begin_part(r->pool, part);
     if (whole) {
         const double seconds = render_agreed(r, stats_wall() - start);
         pace->samples = RENDER_PILOT_SAMPLES * (double)pixels / fmax(seconds, 1e-9);
@@ -134,18 +136,13 @@ static satin_status sample_grid(struct render *r, int side, struct render_pace *
 }
 
 satin_status render_first_pilot(struct render *r, struct render_pace *pace) {
-    const char *part = parallel_begin_part(r->pool, "pilot");
-    satin_status status = sample_grid(r, RENDER_PILOT_LEAST, pace);
-    parallel_begin_part(r->pool, part);
-    return status;
+    return sample_grid(r, RENDER_PILOT_LEAST, pace);
 }
 
 // A small grid shows the speed, and how large a grid the time allows.
 satin_status render_image_pilot(struct render *r, struct render_pace *pace) {
-    const char *part = parallel_begin_part(r->pool, "pilot");
-    satin_status status = sample_grid(r, RENDER_PILOT_LEAST, pace);
+    satin_status status = render_first_pilot(r, pace);
     const int side = render_budget_pilot(r, pace->samples);
-    if (status == SATIN_OK && side > RENDER_PILOT_LEAST) status = sample_grid(r, side, pace);
-    parallel_begin_part(r->pool, part);
-    return status;
+    if (status != SATIN_OK || side <= RENDER_PILOT_LEAST) return status;
+    return sample_grid(r, side, pace);
 }
