@@ -68,6 +68,7 @@ void fill_limit_radius(struct fill *fill, enum cache_kind kind, float fraction) 
 void fill_statistics(const struct fill *fill, struct stats *stats) {
     cache_statistics(fill->cache, stats);
     stats_set(stats, "records.refused", (double)fill->refused);
+    stats_set(stats, "records.outliers", (double)fill->outliers);
     if (!fill->adapted.passes) return;
     stats_set(stats, "cache.passes", (double)fill->adapted.passes);
     stats_set(stats, "cache.points", (double)fill->adapted.points);

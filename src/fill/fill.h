@@ -80,6 +80,8 @@ satin_status fill_adapt(struct fill *fill, enum cache_kind kind, const struct fi
 // Removes noise from the irradiance records, which are read at accuracy a (fill_smooth.c). To be
 // called once, when all are made. SATIN_CANCELLED or SATIN_ERROR_MEMORY: then they are unchanged.
 satin_status fill_smooth(struct fill *fill, float a);
+// As fill_smooth, but of the records of which single rays are a large part, and in one thread.
+satin_status fill_spread_outliers(struct fill *fill, float a);
 
 // Sets the fraction, in (0, 1], of the options' gather rays that new records get.
 // SATIN_ERROR_MEMORY: then a kind of records may keep its number of rays.

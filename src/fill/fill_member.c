@@ -3,6 +3,8 @@
 // inserts it. What differs between the kinds is in the functions of a table.
 #include "fill/fill_member.h"
 
+#include <math.h>
+
 // If a few of its rays make up most of an irradiance record, as when one of them has hit a small
 // bright surface, it is gathered again with all the rays of the options, and both results are
 // averaged by their numbers of rays. This is the deviation above which that is done: other records
@@ -22,6 +24,15 @@ static struct cache_irradiance_value average_values(const struct cache_irradianc
         mean.grad_r[k] = v3_mad(v3_mul(a->grad_r[k], 1.0f - t), t, b->grad_r[k]);
     }
     return mean;
+}
+
+// The relative standard deviation of that mean, by those of both.
+static float average_deviation(const struct cache_irradiance_value *a, float deviation_a,
+                               const struct cache_irradiance_value *b, float deviation_b) {
+    const float E_a = (float)a->rays * rgb_luminance(a->E);
+    const float E_b = (float)b->rays * rgb_luminance(b->E);
+    if (!(E_a + E_b > 0.0f)) return 0.0f;
+    return hypotf(deviation_a * E_a, deviation_b * E_b) / (E_a + E_b);
 }
 
 static void find_surroundings(const struct fill_making *m, struct fill_member *member,
@@ -102,12 +113,16 @@ static void add_irradiance_rays(const struct fill_making *m, struct fill_member 
                                 const struct gather_site *site, const struct gather_worker *w) {
     if (!(member->found.around.deviation > UNSURE)) return;
     const struct cache_irradiance_value first = member->found.irradiance;
+    const float deviation = member->found.around.deviation;
     struct gather_site again = *site;
     again.stream = rng_mix(site->stream ^ RNG_GOLDEN);
     gather_hemisphere_trace(m->fill->g, m->fill->side[m->kind].whole, &again, w->scratch,
                             w->hemisphere);
     find_irradiance(m, member, w->hemisphere);
-    member->found.irradiance = average_values(&first, &member->found.irradiance);
+    struct cache_irradiance_value *second = &member->found.irradiance;
+    member->found.around.deviation =
+        average_deviation(&first, deviation, second, member->found.around.deviation);
+    *second = average_values(&first, second);
 }
 
 // Radiance records have enough rays.

@@ -214,6 +214,12 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
     return status;
 }
 
+// Few records are smoothed. Later rounds have so many that it costs more detail than noise.
+static satin_status remove_noise(struct render *r, bool few) {
+    const float a = r->second_pass.shade.records.a[CACHE_IRRADIANCE];
+    return few ? fill_smooth(r->second_pass.fill, a) : fill_spread_outliers(r->second_pass.fill, a);
+}
+
 satin_status render_records(struct render *r) {
     struct record_rounds rounds = {.r = r, .covering = {.rays = RENDER_COARSEST}};
     const bool timed = r->options.time > 0.0;
@@ -230,9 +236,8 @@ satin_status render_records(struct render *r) {
         stats_set(&r->stats, "frame.records",
                   count_records(r) - stats_get(&r->stats, "frame.records_kept"));
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
-    // Later rounds have so many records that smoothing them costs more detail than noise.
-    if (status == SATIN_OK && timed && !rounds.finer && render_has_stage(r, STAGE_RECORDS))
-        status = fill_smooth(r->second_pass.fill, r->second_pass.shade.records.a[CACHE_IRRADIANCE]);
+    if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS))
+        status = remove_noise(r, timed && !rounds.finer);
     if (!render_has_stage(r, STAGE_RECORDS)) stats_set(&r->stats, "records.abandoned", 1.0);
     render_sites_free(&rounds.sites);
     fill_statistics(r->second_pass.fill, &r->stats);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smoothing lowers the noise of irradiance records and keeps their mean, slopes and steps that
-// exceed the noise.
+// exceed the noise. Outliers are distributed without smoothing.
 #include "fill_case.h"
 
 // A floor, and a light that nothing depends on: the test sets the values of the records.
@@ -87,19 +87,62 @@ static void steps_stay(void **state) {
     fill_case_free(&c);
 }
 
+// Makes the record in the middle an outlier of that E.
+static int smooth_case_set_outlier(struct fill_case *c, float E) {
+    int middle = 0;
+    for (int i = 0; i < FILL_CASE_SITES; i++)
+        if (v3_len2(c->site[i].p) < v3_len2(c->site[middle].p)) middle = i;
+    smooth_case_record(c, middle)->value.E = rgb_grey(E);
+    smooth_case_record(c, middle)->deviation = 1.0f - 1.0f / E;
+    return middle;
+}
+
 // The light of a record that one ray has made bright is distributed to those around it.
 static void an_outlier_is_distributed(void **state) {
     (void)state;
     struct fill_case c;
     smooth_case_make(&c);
     smooth_case_set(&c, 0.0f, 0.1f);
-    int middle = 0;
-    for (int i = 0; i < FILL_CASE_SITES; i++)
-        if (v3_len2(c.site[i].p) < v3_len2(c.site[middle].p)) middle = i;
-    smooth_case_record(&c, middle)->value.E = rgb_grey(3.0f);
-    smooth_case_record(&c, middle)->deviation = 0.67f;
+    const int middle = smooth_case_set_outlier(&c, 3.0f);
     assert_int_equal(fill_smooth(c.fill, 0.5f), SATIN_OK);
     assert_true(smooth_case_record(&c, middle)->value.E.g < 1.2f);
+    fill_case_free(&c);
+}
+
+// Among good records an outlier alone changes, and gives its light away up to the mean around it:
+// of 1.8 as much all of .8, of 30 as much no more than 1.
+static void outliers_alone_are_spread(void **state) {
+    (void)state;
+    for (int far = 0; far < 2; far++) {
+        struct fill_case c;
+        smooth_case_make(&c);
+        smooth_case_set(&c, 0.5f, 0.0f);
+        const int middle = smooth_case_set_outlier(&c, far ? 30.0f : 1.8f);
+        assert_int_equal(fill_spread_outliers(c.fill, 0.25f), SATIN_OK);
+        double sum = 0.0;
+        for (int i = 0; i < FILL_CASE_SITES; i++) {
+            const double more =
+                (double)(smooth_case_record(&c, i)->value.E.g - 1.0f - 0.5f * c.site[i].p.x);
+            assert_true(more >= -1e-5 && more < 0.1);
+            if (v3_len(v3_sub(c.site[i].p, c.site[middle].p)) > 0.21f) assert_true(more < 1e-5);
+            sum += more;
+        }
+        assert_true(fabs(sum - (far ? 1.0 : 0.8)) < 0.03);
+        fill_case_free(&c);
+    }
+}
+
+// Without outliers, all records are as they were.
+static void good_records_stay(void **state) {
+    (void)state;
+    struct fill_case c;
+    smooth_case_make(&c);
+    smooth_case_set(&c, 0.0f, 0.05f);
+    rgb before[FILL_CASE_SITES];
+    for (int i = 0; i < FILL_CASE_SITES; i++) before[i] = smooth_case_record(&c, i)->value.E;
+    assert_int_equal(fill_spread_outliers(c.fill, 0.25f), SATIN_OK);
+    for (int i = 0; i < FILL_CASE_SITES; i++)
+        assert_memory_equal(&before[i], &smooth_case_record(&c, i)->value.E, sizeof before[i]);
     fill_case_free(&c);
 }
 
@@ -108,6 +151,8 @@ int main(void) {
         cmocka_unit_test(noise_falls_and_the_mean_stays),
         cmocka_unit_test(steps_stay),
         cmocka_unit_test(an_outlier_is_distributed),
+        cmocka_unit_test(outliers_alone_are_spread),
+        cmocka_unit_test(good_records_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
