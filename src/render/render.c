@@ -35,13 +35,6 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     return status;
 }
 
-// After the course has changed to path tracing: the film gets the channels of that integrator.
-static satin_status make_image_of_paths(struct render *r) {
-    log_message(r->log, SATIN_LOG_WARNING,
-                "the time is too short for photons here: paths are traced instead");
-    return render_image_renew(r);
-}
-
 // Traces photons and makes the first-pass radiance estimate that gather rays read at their hits. If
 // there is no time for that, paths are traced instead.
 static satin_status first_pass(struct render *r) {
@@ -50,7 +43,7 @@ static satin_status first_pass(struct render *r) {
     satin_status status = render_memory_photons(r);
     if (status == SATIN_OK) status = render_photons(r);
     const bool paths = r->progress.course == COURSE_PATHS;
-    return status == SATIN_OK && paths ? make_image_of_paths(r) : status;
+    return status == SATIN_OK && paths ? render_trace_paths(r) : status;
 }
 
 // Makes the constants of gathering, with what the first pass has made, and samples direct light

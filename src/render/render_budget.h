@@ -46,6 +46,8 @@ double render_budget_snapshot(double seconds, int threads);
 enum { RENDER_PILOT_SIDE = 64, RENDER_PILOT_LEAST = 16, RENDER_PILOT_SAMPLES = 4 };
 // The number of its pixels along a side for which there is time, at so many samples per second.
 int render_budget_pilot(const struct render *r, double samples);
+// Whether paths are to be traced, as no more samples of the image than these per second fit.
+bool render_budget_traces_paths(const struct render *r, double samples);
 // Measurements of a pilot.
 struct render_pace {
     double rays, samples;  // per second: gather rays of records, samples of the image

@@ -53,7 +53,9 @@ static rgb mean_emission(const struct image_pixel *pixel) {
 static void put_pixel(const struct channel_planes *planes, size_t at,
                       const struct image_pixel *pixel, const struct render_image *image) {
     const float scale = render_image_scale(pixel);
-    const rgb *seen = &pixel->layer[SHADE_EMISSION], emission = mean_emission(pixel);
+    const struct image_pixel *own = &image->pixel[at];  // may have rims without samples
+    const rgb *seen = &pixel->layer[SHADE_EMISSION];
+    const rgb emission = mean_emission(own->rim_weight > 0.0f ? own : pixel);
     const rgb beauty = rgb_add(rgb_scale(rgb_sub(pixel->beauty, *seen), scale), emission);
     rgb shown = beauty;
     if (image->denoised)

@@ -182,6 +182,11 @@ static void end_pass(struct render *r) {
     plan_samples(r);
 }
 
+// Integrator `path` is for comparison, and takes nothing but its samples.
+static bool has_rims(const struct render *r) {
+    return r->progress.replaced || !gather_traces_paths(&r->options);
+}
+
 static satin_status take_rims(struct render *r) {
     const struct render_image *image = r->image;
     const satin_options *o = &r->options;
@@ -189,7 +194,7 @@ static satin_status take_rims(struct render *r) {
         (uint64_t)render_budget_equal_samples(o) * (uint64_t)image->width * (uint64_t)image->height;
     bool whole = true;
     satin_status status = SATIN_OK;
-    if (image->taken >= equal && !gather_traces_paths(o)) status = render_rims(r, &whole);
+    if (image->taken >= equal && has_rims(r)) status = render_rims(r, &whole);
     return status == SATIN_OK && !whole ? SATIN_CANCELLED : status;
 }
 
@@ -216,6 +221,20 @@ static satin_status take_passes(struct image_pass *pass, bool restored, double p
     return status;
 }
 
+// Where a time limit is over before rims are looked for, they are sampled after it: that takes a
+// small fraction of the time of one sample per pixel. At 1 CPU second, relMSE of a room with a lamp
+// in view is .0092 instead of .0188 to .0614.
+static satin_status take_late_rims(struct render *r) {
+    if (!(r->options.time > 0.0) || r->image->rim_rays > 0 || render_cancelled(r) ||
+        render_checkpoint_due(r) || !has_rims(r))
+        return SATIN_OK;
+    bool whole;
+    const double limit = render_limit_lift(r);
+    const satin_status status = render_rims(r, &whole);
+    render_limit_restore(r, limit);
+    return status == SATIN_OK && !whole ? SATIN_CANCELLED : status;
+}
+
 // Samples the image, from the beginning or from where the checkpoint ends.
 static satin_status sample_passes(struct image_pass *pass) {
     struct render *r = pass->r;
@@ -224,9 +243,14 @@ static satin_status sample_passes(struct image_pass *pass) {
     satin_status status = render_checkpoint_begin_image(r, &restored);
     if (status == SATIN_OK && restored) render_skip_photons(r);
     if (status == SATIN_OK && !restored) status = begin_samples(pass, &per_sample);
-    if (status != SATIN_OK || render_steps(r)->coarse) return status;
-    status = take_passes(pass, restored, per_sample);
-    if (status == SATIN_OK || status == SATIN_CANCELLED) render_checkpoint_write(r);
+    if (render_steps(r)->coarse) return status;
+    const bool begun = status == SATIN_OK;
+    if (begun) status = take_passes(pass, restored, per_sample);
+    if (status == SATIN_OK || status == SATIN_CANCELLED) {
+        const satin_status rims = take_late_rims(r);
+        if (rims != SATIN_OK) status = rims;
+    }
+    if (begun && (status == SATIN_OK || status == SATIN_CANCELLED)) render_checkpoint_write(r);
     return status;
 }
 

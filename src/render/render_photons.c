@@ -112,15 +112,9 @@ static double seconds_by_count(const struct stats *stats) {
            stats_get(stats, "photons.clusters_s") + stats_get(stats, "photons.precompute_s");
 }
 
-// Whether path tracing can replace the integrator.
-static bool can_trace_paths(const struct render *r) {
-    const satin_callbacks *c = &r->callbacks;
-    return r->options.integrator == SATIN_TWO_PASS && !c->save_cache && !c->load_cache;
-}
-
 // Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
-    if (can_trace_paths(r)) render_limit_photon_pilot(r);
+    if (render_can_trace_paths(r)) render_limit_photon_pilot(r);
     const satin_status status = build_maps(r, fraction, 1.0);
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);

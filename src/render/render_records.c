@@ -129,6 +129,16 @@ static bool level_pays(const struct record_rounds *rounds, const struct record_l
                                                     render_budget_first_round(rounds->r));
 }
 
+// Goes on without records. If the image then has too few samples, paths are traced.
+static satin_status leave_records(struct render *r) {
+    struct render_pace pace = {0};
+    render_take_course(r, COURSE_WITHOUT_RECORDS);
+    r->second_pass.shade.records.cache = NULL;
+    const satin_status status = render_first_pilot(r, &pace);
+    if (status != SATIN_OK || !render_budget_traces_paths(r, pace.samples)) return status;
+    return render_trace_paths(r);
+}
+
 // Fills all levels at `factor` times a; the loops are the range [done, done + span] of the stage.
 // If `covering`, the numbers of rays are chosen so that the image is covered in time.
 static satin_status cover_levels(struct record_rounds *rounds, struct render_factors factor,
@@ -160,8 +170,7 @@ static satin_status cover_levels(struct record_rounds *rounds, struct render_fac
         if (!covering ||
             !render_covering_without_records(&r->options, &rounds->covering, level.stride))
             continue;
-        render_take_course(r, COURSE_WITHOUT_RECORDS);
-        r->second_pass.shade.records.cache = NULL;
+        if (status == SATIN_OK) status = leave_records(r);
         break;
     }
     return status;

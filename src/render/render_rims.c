@@ -3,7 +3,8 @@
 // samples more or less that hit it make the pixels along its edge look jagged. An eye ray for
 // emitted light alone costs a small fraction of a sample: pixels near which emission varies get
 // many of them, once, and the emission layer is the mean of all. Lights that are so small that the
-// first samples miss them are found after later samples.
+// first samples miss them are found after later samples. Where a time limit leaves no sample to a
+// pixel, it does not take the emission of its neighbour.
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,6 +45,14 @@ static bool on_rim(const struct render_image *image, int x, int y, int radius) {
     return most - least > SMOOTH * most;
 }
 
+// Whether the pixel has no sample and would take the emission of another one.
+static bool copies_emission(const struct render_image *image, int x, int y) {
+    const struct image_pixel *p = &image->pixel[(size_t)y * (size_t)image->width + (size_t)x];
+    if (p->samples || p->dropped) return false;
+    const struct image_pixel *source = render_image_source(image, x, y);
+    return source && rgb_max(source->layer[SHADE_EMISSION]) > 0.0f;
+}
+
 // Stores the pixels of each row from the index on at which the row begins.
 static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
@@ -54,7 +63,8 @@ static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t y = begin; y < end; y++)
         for (size_t at = y * width; at < (y + 1) * width; at++)
             if (!(image->pixel[at].rim_weight > 0.0f) &&
-                on_rim(image, (int)(at - y * width), (int)y, radius))
+                (on_rim(image, (int)(at - y * width), (int)y, radius) ||
+                 copies_emission(image, (int)(at - y * width), (int)y)))
                 rims->pixel[y * width + rims->found[y]++] = (uint32_t)at;
 }
 

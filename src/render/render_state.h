@@ -53,6 +53,7 @@ struct render_progress {
     enum render_stage stage;         // current stage
     enum render_stage cancelled_in;  // in which the caller cancelled; STAGE_SETUP: not cancelled
     enum render_course course;
+    bool replaced;       // COURSE_PATHS is instead of another one
     double start;        // wall clock at the beginning of the render
     double covered;      // seconds after it at which the first round of records should be done
     double deadline;     // seconds after it at which the current loop is stopped; INFINITY: none
@@ -238,6 +239,13 @@ satin_status render_direct(struct render *r);
 satin_status render_pass_photons(struct render *r);
 // If each pass has new photons, skips those of the passes that a restored image has.
 void render_skip_photons(struct render *r);
+
+// ---- render_paths.c
+// Whether path tracing can replace the integrator.
+bool render_can_trace_paths(const struct render *r);
+// Goes over to COURSE_PATHS, with a new image, which has the channels of that integrator.
+// SATIN_ERROR_MEMORY, logged if it is that of the image.
+satin_status render_trace_paths(struct render *r);
 
 // ---- render_recursive_bounces.c
 // If the first pass is `recursive`, makes the records of the indirect bounces, which gather rays

@@ -348,8 +348,22 @@ static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
     }
 }
 
+// Paths replace two passes where a pixel would have less than 1.5 samples, unless records are kept
+// in a file.
+static void few_samples_lead_to_paths(void **state) {
+    (void)state;
+    struct render r = render_budget_make(10.0);
+    r.options.integrator = SATIN_TWO_PASS;
+    assert_true(render_budget_traces_paths(&r, 1000.0));
+    assert_false(render_budget_traces_paths(&r, 2000.0));
+    r.callbacks.save_cache = "a.cache";
+    assert_false(render_budget_traces_paths(&r, 1000.0));
+    parallel_free(r.pool);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(few_samples_lead_to_paths),
         cmocka_unit_test(no_limit_ends_nothing),
         cmocka_unit_test(steps_end_in_their_order),
         cmocka_unit_test(the_pilot_takes_a_tenth_at_most),

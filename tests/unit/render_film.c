@@ -190,6 +190,23 @@ static void pixels_without_samples_show_a_neighbour(void **state) {
     render_film_stop(&r);
 }
 
+// A pixel without samples has its own emission where eye rays have looked for it.
+static void pixels_without_samples_have_rims(void **state) {
+    (void)state;
+    struct render r = render_film_make(SATIN_TWO_PASS);
+    struct image_pixel *lamp = pixel_at(&r, 0, 0), *wall = pixel_at(&r, 1, 0);
+    fill_pixel(lamp, 2.0f);
+    lamp->layer[SHADE_EMISSION] = rgb_grey(1.5f * 10.0f);
+    lamp->beauty = rgb_grey(1.5f * 12.0f);
+    wall->rim = rgb_grey(4.0f * 0.5f);
+    wall->rim_weight = 4.0f;
+    render_film_make_film(&r, true);
+    assert_float_equal(render_film_value_at(&r, "emission.R", 1, 0), 0.5f, 1e-6f);
+    assert_float_equal(render_film_value_at(&r, "R", 1, 0), 2.5f, 1e-6f);
+    assert_float_equal(render_film_value_at(&r, "emission.R", 2, 0), 10.0f, 1e-6f);
+    render_film_stop(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(integrators_have_what_they_compute),
@@ -198,6 +215,7 @@ int main(void) {
         cmocka_unit_test(an_opaque_pixel_is_opaque_whatever_its_weight),
         cmocka_unit_test(rays_at_rims_count_for_emission_alone),
         cmocka_unit_test(pixels_without_samples_show_a_neighbour),
+        cmocka_unit_test(pixels_without_samples_have_rims),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
