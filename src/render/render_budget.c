@@ -148,10 +148,13 @@ static const double CORE_SECOND_SAMPLES = 16.0 / 1.3e-4;
 // 2 % of 12 CPU seconds at 320x180. The time of drafts of the data scenes, which have few such
 // pixels, changes by less than the difference between runs.
 static const double RIM_RAYS_MEAN = 16.0;
+// That after a time limit, which they exceed. With 16, in a room with many windows at 640x360, a
+// limit of 12 CPU seconds ended after 13.5.
+static const double RIM_RAYS_MEAN_LATE = 2.0;
 // The number of samples per pixel below which a denoised image without records is worse than one of
 // paths, of which two to four times as many fit. With 1.5 instead of 0, relMSE x 10^4 is 354
-// instead of 568 in living-room at 5 CPU seconds, 28 instead of 28 to 1,073 in cornell-metal and 46
-// instead of 16 to 328 in indirect-room at 1, with 2 the same.
+// instead of 568 in living-room at 5 CPU seconds, and 46 instead of 16 to 958 in indirect-room at
+// 1; with 1 and 2 the same but for its deviation.
 static const double PATHS_BELOW = 1.5;
 // The number of samples per pixel below which another pass of the image costs more than it gains.
 static const double PASS_LEAST = 0.1;
@@ -473,10 +476,11 @@ float render_budget_sample_cost(const struct shade_counts *c) {
 }
 
 uint32_t render_budget_rim_rays(const satin_options *o, double core_seconds, size_t pixels,
-                                size_t at_rims) {
+                                size_t at_rims, bool late) {
     const double wanted = o->time > 0.0 ? RIM_RAYS_CORE_SECOND * core_seconds
                                         : (double)(RIM_RAYS_SAMPLE * (uint64_t)o->spp);
-    const double most = RIM_RAYS_MEAN * (double)pixels / (double)at_rims;
+    const double mean = late ? RIM_RAYS_MEAN_LATE : RIM_RAYS_MEAN;
+    const double most = mean * (double)pixels / (double)at_rims;
     uint32_t rays = RIM_RAYS_MOST;
     while (rays > RIM_RAYS_LEAST && rays > wanted) rays /= 2;
     while (rays > most) rays /= 2;

@@ -194,7 +194,7 @@ static satin_status take_rims(struct render *r) {
         (uint64_t)render_budget_equal_samples(o) * (uint64_t)image->width * (uint64_t)image->height;
     bool whole = true;
     satin_status status = SATIN_OK;
-    if (image->taken >= equal && has_rims(r)) status = render_rims(r, &whole);
+    if (image->taken >= equal && has_rims(r)) status = render_rims(r, false, &whole);
     return status == SATIN_OK && !whole ? SATIN_CANCELLED : status;
 }
 
@@ -230,7 +230,7 @@ static satin_status take_late_rims(struct render *r) {
         return SATIN_OK;
     bool whole;
     const double limit = render_limit_lift(r);
-    const satin_status status = render_rims(r, &whole);
+    const satin_status status = render_rims(r, true, &whole);
     render_limit_restore(r, limit);
     return status == SATIN_OK && !whole ? SATIN_CANCELLED : status;
 }

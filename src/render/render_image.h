@@ -181,8 +181,9 @@ void render_image_pack(const struct render_image *image, struct bytes *out);
 bool render_image_unpack(struct render_image *image, const struct bytes *in);
 
 // Takes additional eye rays for emitted light where it varies between pixels, once per pixel, after
-// the samples that are distributed equally. *whole is false if it was stopped early.
-satin_status render_rims(struct render *r, bool *whole);
+// the samples that are distributed equally; `late`: after a time limit. *whole is false if it was
+// stopped early.
+satin_status render_rims(struct render *r, bool late, bool *whole);
 
 // Checks that the image has each layer of option layers; else logs one line
 // (render_film_channels.c).

@@ -119,7 +119,7 @@ static bool unpack_rims(void *ctx, size_t begin, size_t end, struct bytes_reader
 static const struct parallel_results rims_results = {
     .pack = pack_rims, .unpack = unpack_rims, .if_cancelled = true};
 
-satin_status render_rims(struct render *r, bool *whole) {
+satin_status render_rims(struct render *r, bool late, bool *whole) {
     struct rims rims = {.r = r};
     struct render_image *image = r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
@@ -134,7 +134,7 @@ satin_status render_rims(struct render *r, bool *whole) {
     find_rims(&rims);
     if (image->rim_rays == 0 && rims.count > 0)
         image->rim_rays =
-            render_budget_rim_rays(&r->options, render_core_seconds(r), pixels, rims.count);
+            render_budget_rim_rays(&r->options, render_core_seconds(r), pixels, rims.count, late);
     *whole =
         parallel_for_results(r->pool, rims.count, RIMS_CHUNK, trace_rims, &rims, &rims_results);
     stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
