@@ -28,7 +28,7 @@ struct fill {
     struct gather_worker *worker;  // one for each worker of the pool
     int worker_count;
     uint64_t refused;   // number of records that were not finite or out of range
-    uint64_t outliers;  // number of irradiance records whose light was distributed to others
+    uint64_t outliers;  // number of irradiance records of which single rays are a large part
     struct {
         int passes;               // largest number of passes of the two caches
         uint64_t points, shrunk;  // numbers of points that were evaluated, and of times that a

@@ -97,6 +97,7 @@ static struct cache_irradiance_value mean_around(const struct smooth_sum *sum, u
     return mean;
 }
 
+// Sums over the records around one, with or `without` itself.
 static void sum_around(const struct smoothing *s, uint32_t record, bool without,
                        struct smooth_sum *sum) {
     const struct cache_head *h = &s->store->tree.head[record];

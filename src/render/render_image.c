@@ -221,9 +221,8 @@ static satin_status take_passes(struct image_pass *pass, bool restored, double p
     return status;
 }
 
-// Where a time limit is over before rims are looked for, they are sampled after it: that takes a
-// small fraction of the time of one sample per pixel. At 1 CPU second, relMSE of a room with a lamp
-// in view is .0092 instead of .0188 to .0614.
+// Where a time limit is over before rims are looked for, they are sampled after it, by few rays: at
+// .7 CPU seconds relMSE of cornell-metal is .024 instead of .081 (four seeds, 200x200).
 static satin_status take_late_rims(struct render *r) {
     if (!(r->options.time > 0.0) || r->image->rim_rays > 0 || render_cancelled(r) ||
         render_checkpoint_due(r) || !has_rims(r))
