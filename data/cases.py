@@ -126,21 +126,41 @@ def contact():
                  lamp("+y", (-0.8, 2, 0.8), (0.4, 0.4), 16, 15, 13))
 
 
-def bump():
+def waves(name, bsdf, height):
+    """A BRDF with waves in its normals, and their height, which `-D waves=...` changes."""
     heights = plugin("texture", "bitmap", value("string", "filename", "waves.ppm"),
                      value("boolean", "raw", "true"),
                      element("transform", {"name": "to_uv"}, element("scale", {"value": "6"})))
+    return [element("default", {"name": "waves", "value": number(height)}),
+            plugin("bsdf", "bumpmap", heights, real("scale", 0).replace('"0"', '"$waves"'), bsdf,
+                   id=name)]
+
+
+def bump():
     gloss = plugin("bsdf", "phong", rgb("diffuse_reflectance", 0.35, 0.33, 0.3),
                    rgb("specular_reflectance", 0.3, 0.3, 0.3), real("exponent", 12))
-    floor = plugin("bsdf", "bumpmap", heights, real("scale", 0).replace('"0"', '"$waves"'), gloss,
-                   id="waves")
+    height, floor = waves("waves", gloss, 0.1)
     return scene("A glossy floor with waves in its normals, which are no reason for more records:\n"
-                 "     `-D waves=0` is the same floor flat.",
-                 element("default", {"name": "waves", "value": "0.1"}),
+                 "     `-D waves=0` is the same floor flat.", height,
                  sensor((0, 1.5, 1.8), (0, 0.4, -0.6), 60), *PAINT, floor,
                  *room(2, 2.6, 2, floor="waves"),
                  box((-0.5, 0.3, -0.7), (0.3, 0.3, 0.3), 25, ref("white")),
                  lamp("+y", (0.3, 2.1, 0), (0.5, 0.5), 14, 13, 11))
+
+
+def bump_walls():
+    paint = plugin("bsdf", "diffuse", rgb("reflectance", 0.65, 0.6, 0.5))
+    height, walls = waves("white", paint, 0.3)
+    return scene("A room with steep waves in the normals of all its surfaces: what these reflect\n"
+                 "     follows from the waves, while photons hit flat surfaces.", height,
+                 sensor((0, 1, 1.9), (0, 0.9, 0), 70), walls,
+                 *(wall.replace('"warm"', '"white"').replace('"cool"', '"white"')
+                   for wall in room(1.6, 2, 2, floor="white")),
+                 sphere((0.4, 0.35, -0.4), 0.35, plugin("bsdf", "diffuse",
+                                                        rgb("reflectance", 0.7, 0.7, 0.7))),
+                 rectangle("-y", (0, 1.98, -0.3), (0.3, 0.3),
+                           plugin("bsdf", "diffuse", rgb("reflectance", 0, 0, 0)),
+                           area_light(18, 16, 13)))
 
 
 def waves_image(size=32):
@@ -281,7 +301,8 @@ def files():
     """Every file of scenes/cases as {path: bytes}."""
     scenes = {"spot": spot_beam(), "spot-lamp": spot_disk(), "corner": corner(),
               "thin-wall": thin_wall(), "backlit": backlit(), "caustic-gloss": caustic_gloss(),
-              "mirror": mirror(), "contact": contact(), "bump": bump(), "storeys": storeys(),
+              "mirror": mirror(), "contact": contact(), "bump": bump(),
+              "bump-walls": bump_walls(), "storeys": storeys(),
               "gap": gap(), "stairs": stairs(), "window": window(), "panes": panes(),
               "glossy-room": phong_room(), "metal-room": metal_room(),
               "room-5m": scaled_room(1, "5 m"),

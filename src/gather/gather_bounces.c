@@ -234,8 +234,8 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
     photon_irradiance_many(g->maps, g->scene, &one);
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
     return (struct gather_estimate){gather_reads_photons(g, z->depth) ? E : none.E,
-                                    gather_is_reliable(g, radius, near),
-                                    gather_direct_known(g, entry), 1};
+                                    gather_is_reliable(g, z->y, radius, near),
+                                    gather_direct_known(g, z->y, entry), 1};
 }
 
 // Follows a branch from v by one segment. True if it ends at a surface, which becomes the vertex

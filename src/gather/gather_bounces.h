@@ -13,10 +13,16 @@ struct gather_estimate {
     const rgb *direct;  // irradiance of direct light that is not in E; NULL: it is not known
     int light_samples;  // light samples to be taken if it is not known, at least 1
 };
-// The direct light at the entry that a lookup by photon_irradiance_many has returned.
-static inline const rgb *gather_direct_known(const struct gather *g, int entry) {
+// The cosine between geometric and shading normal below which a surface takes no direct light of
+// entries, which face as the geometric normal does.
+static const float GATHER_UPRIGHT = 0.99f;
+
+// The direct light at y by the entry that a lookup by photon_irradiance_many has returned.
+static inline const rgb *gather_direct_known(const struct gather *g, const struct shading_point *y,
+                                             int entry) {
     const struct gather_direct *t = g->direct;
-    return t && entry >= 0 && t->similar[entry] ? &t->E[entry] : NULL;
+    const bool known = t && entry >= 0 && t->similar[entry];
+    return known && v3_dot(gather_viewer_normal(y), y->ng) > GATHER_UPRIGHT ? &t->E[entry] : NULL;
 }
 
 // The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its

@@ -21,16 +21,18 @@
 // radius or the largest reliable one, as else most hits of a coarse photon map would be near.
 bool gather_is_near(const struct gather *g, float t, float radius, float discs);
 
-// Whether the estimate at a hit is read, where its lookup has this radius. If not, the ray
-// continues; without option gather-near every estimate is read.
-static inline bool gather_is_reliable(const struct gather *g, float radius, bool near) {
-    return !(g->options->gather_near && (near || radius > g->lookup_max));
-}
-
 // The shading normal on the viewer's side. Frames of BRDFs that transmit keep the side of the
 // surface, from whichever side it is seen.
 static inline vec3 gather_viewer_normal(const struct shading_point *y) {
     return y->wo_l.z < 0.0f ? v3_neg(y->frame.n) : y->frame.n;
+}
+
+// Whether the estimate at a hit is read, where its lookup has this radius. If not, the ray
+// continues; without option gather-near every estimate is read.
+static inline bool gather_is_reliable(const struct gather *g, const struct shading_point *y,
+                                      float radius, bool near) {
+    const bool averted = v3_dot(gather_viewer_normal(y), y->ng) < 0.0f;
+    return !(g->options->gather_near && (near || averted || radius > g->lookup_max));
 }
 
 // The cones of photon clusters to which directions are drawn, each with the fraction of a few test

@@ -98,15 +98,16 @@ static void reflect_hits(const struct gather *g, struct gather_hits *hits, size_
         const struct gather_hit *hit = &hits->hit[i];
         const float radius = hits->radius[i];
         const bool close = gather_is_near(g, hit->point.interaction.t, radius, discs);
-        hits->reliable[i] = gather_is_reliable(g, radius, close) && !averages_few(g, hit, radius);
+        hits->reliable[i] =
+            gather_is_reliable(g, &hit->point, radius, close) && !averages_few(g, hit, radius);
     }
     if (near) gather_near_probe(g, hits, count, near);
     const float mean = hit_weights(g, hits, count);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
-        const struct gather_estimate estimate = {hits->E[i], hits->reliable[i],
-                                                 gather_direct_known(g, hits->entry[i]),
-                                                 samples_of_hit(hits->bright[i], mean)};
+        const struct gather_estimate estimate = {
+            hits->E[i], hits->reliable[i], gather_direct_known(g, &hit->point, hits->entry[i]),
+            samples_of_hit(hits->bright[i], mean)};
         const struct gather_cones *cones = near ? &near->cones : NULL;
         const rgb L = gather_bounces(g, &hit->point, GATHER_HIT_DEPTH + hit->specular, estimate,
                                      cones, hit->sampler);

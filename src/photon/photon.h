@@ -60,7 +60,12 @@ satin_status photon_maps_build(const struct photon_request *request, struct para
                                struct log log, struct stats *stats, struct photon_maps **out);
 void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 
-// ---- Memory (photon_stored.c) -------------------------------------------------------------------
+// ---- What paths store (photon_stored.c) ---------------------------------------------------------
+
+// The number of photons that a path of the global map stores, in the mean over a few; within a
+// tenth. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_count_stored(const struct photon_request *request, struct parallel *pool,
+                                 struct log log, double *per_path);
 
 // The most bytes that making the maps needs at any time, per path of each kind.
 struct photon_memory {

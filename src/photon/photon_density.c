@@ -140,13 +140,19 @@ float photon_disc_weight(const struct photon_disc *disc, int i) {
     return disc->scale * photon_kernel_weight(disc->kernel, d2 / disc->r2);
 }
 
+// The factor of a photon's power for irradiance of the plane of the shading normal, by which BRDFs
+// and so reflected light are defined [Veach 1997, 5.3.2].
+static float tilt_of(const struct photon *photon) {
+    return 1.0f + PHOTON_TILT_UNIT * (float)photon->tilt;
+}
+
 rgb photon_disc_irradiance_within(const struct photon_disc *disc, int bounces) {
     rgb E = rgb_grey(0.0f);
     for (int i = 0; i < disc->count; i++) {
         const float weight = photon_disc_weight(disc, i);
         if (!(weight > 0.0f)) continue;
         const struct photon *photon = &disc->map->photon[disc->row[i]];
-        if (photon->bounces <= bounces) E = rgb_mad(E, photon->power, weight);
+        if (photon->bounces <= bounces) E = rgb_mad(E, photon->power, weight * tilt_of(photon));
     }
     return E;
 }
@@ -159,8 +165,8 @@ rgb photon_disc_last(const struct photon_disc *disc) {
     rgb E = rgb_grey(0.0f);
     for (int i = 0; i < disc->count; i++) {
         const float weight = photon_disc_weight(disc, i);
-        if (!(weight > 0.0f) || !disc->map->photon[disc->row[i]].last) continue;
-        E = rgb_mad(E, disc->map->photon[disc->row[i]].power, weight);
+        const struct photon *photon = &disc->map->photon[disc->row[i]];
+        if (weight > 0.0f && photon->last) E = rgb_mad(E, photon->power, weight * tilt_of(photon));
     }
     return E;
 }
@@ -173,9 +179,9 @@ float photon_disc_clear(const struct photon_disc *disc) {
 float photon_disc_variance(const struct photon_disc *disc) {
     float sum = 0.0f;
     for (int i = 0; i < disc->count; i++) {
-        const float weight = photon_disc_weight(disc, i);
-        if (!(weight > 0.0f)) continue;
         const struct photon *photon = &disc->map->photon[disc->row[i]];
+        const float weight = photon_disc_weight(disc, i) * tilt_of(photon);
+        if (!(weight > 0.0f)) continue;
         const rgb c = photon->power;
         const float together = 1.0f + (float)photon->copies;
         sum += together * weight * weight * (c.r * c.r + c.g * c.g + c.b * c.b);
@@ -198,8 +204,7 @@ rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_ref
         unsigned lobes = at->lobes;
         if (brdf_is_sharp(at->brdf, at->wo, local, at->pdf_most)) lobes &= ~(unsigned)BRDF_GLOSSY;
         const rgb f = brdf_eval(at->brdf, at->wo, local, lobes);
-        // Limited, because the few photons at grazing angles would be very bright.
-        weight *= fminf(local.z / cosine, 4.0f);
+        weight *= fminf(local.z / cosine, PHOTON_TILT_MOST);
         L = rgb_mad(L, rgb_mul(f, photon->power), weight);
     }
     return L;

@@ -19,16 +19,23 @@ enum {
 
 enum { PHOTON_BOUNCES_MOST = UINT8_MAX };
 
+// The most that a shading normal which is tilted towards a photon raises its power, as the few
+// photons at grazing angles would be very bright, and the unit in which this is stored.
+#define PHOTON_TILT_MOST 8.0f
+#define PHOTON_TILT_UNIT 0.0625f
+
 // A photon as it was traced.
 struct photon_hit {
     vec3 p;
-    rgb power;        // [W]
-    uint32_t wi, n;   // packed directions: to its origin; geometric normal on that side
-    uint8_t bounces;  // number of its bounces before, at most PHOTON_BOUNCES_MOST
-    bool last;        // whether it has bounced as often as photons may
-    bool indirect;    // whether it is of class PHOTON_INDIRECT
-    uint8_t copies;   // of a divided photon: how many of its copies an estimate there counts, apart
-                      // from this one
+    rgb power;          // [W]
+    uint32_t wi, n;     // packed directions: to its origin; geometric normal on that side
+    uint8_t bounces;    // number of its bounces before, at most PHOTON_BOUNCES_MOST
+    bool last : 1;      // whether it has bounced as often as photons may
+    bool indirect : 1;  // whether it is of class PHOTON_INDIRECT
+    int8_t tilt;     // the cosine of wi with the shading normal over that with n, less 1, in units
+                     // of PHOTON_TILT_UNIT
+    uint8_t copies;  // of a divided photon: how many of its copies an estimate there counts, apart
+                     // from this one
 };
 
 // A photon in a map, which has the positions in a separate array for the search.
@@ -36,7 +43,8 @@ struct photon {
     rgb power;
     uint32_t wi, n;
     uint8_t bounces;  // these as in photon_hit
-    bool last, indirect;
+    bool last : 1, indirect : 1;
+    int8_t tilt;
     uint8_t copies;
 };
 

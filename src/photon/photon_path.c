@@ -30,6 +30,23 @@ static enum photon_class class_of(const struct photon_path *photon) {
     return deflected ? PHOTON_CAUSTIC : photon->class;
 }
 
+// See photon_hit; n is the geometric normal on the side of wi. The shading normal is that of a
+// viewer on this side, whom maps direct invalid normals to. Where it faces away from wi, the
+// surface reflects to the other side at most, which has other estimates.
+static int8_t tilt_by_normal(const struct satin_scene *scene, const struct interaction *s, vec3 wi,
+                             vec3 n) {
+    const struct material_side *side = scene_draw_component(scene, s, n);
+    struct frame frame = scene_component_frame(scene, side, s, n);
+    struct brdf brdf;
+    if (scene_bump_used(&side->bump[0]) && !scene_component_brdf(scene, side, s, n, &brdf, &frame))
+        return 0;
+    const vec3 m = v3_dot(frame.n, n) < 0.0f ? v3_neg(frame.n) : frame.n;
+    const float in_s = v3_dot(wi, m), in_g = v3_dot(wi, n);
+    const bool behind = in_s < 0.0f && !brdf_transmits(&side->base);
+    const float factor = behind ? 0.0f : minf(fabsf(in_s), PHOTON_TILT_MOST * in_g) / in_g;
+    return (int8_t)lrintf((factor - 1.0f) / PHOTON_TILT_UNIT);
+}
+
 // Where a mask lets some photons pass, the others represent all that would hit a surface without
 // holes.
 static bool store_photon(const struct satin_scene *scene, struct photon_chunk *chunk,
@@ -44,7 +61,8 @@ static bool store_photon(const struct satin_scene *scene, struct photon_chunk *c
                              .n = photon_pack(n),
                              .bounces = photon->bounces,
                              .last = photon->last,
-                             .indirect = class == PHOTON_INDIRECT};
+                             .indirect = class == PHOTON_INDIRECT,
+                             .tilt = tilt_by_normal(scene, s, wi, n)};
     for (int i = 0; i < PHOTON_CONSUMERS; i++) {
         if (!(photon->classes[i] >> class & 1u)) continue;
         hit.power = rgb_scale(photon->power, photon->factor[i]);

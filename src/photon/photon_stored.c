@@ -10,6 +10,8 @@
 // photons of a path is at most about the number of its bounces, whose standard deviation is near
 // their mean: 4096 paths give the mean within 2 %.
 enum { PILOT_PATHS = 4096 };
+// Paths that show whether all have very many bounces: their mean within a tenth.
+enum { BOUNCES_PATHS = 256 };
 
 // Bytes per stored photon at the peak of building a map, measured in corner and cornell-glossy with
 // .4 to 3.4 million photons (92 to 98 in the global map, 97 with integrator photons), and in
@@ -55,6 +57,19 @@ static satin_status trace_caustic_pilot(const struct photon_request *request, st
         .emission = emission};
     status = trace_pilot(&tracing, pool, log, out);
     guide_emission_free(emission);
+    return status;
+}
+
+satin_status photon_count_stored(const struct photon_request *request, struct parallel *pool,
+                                 struct log log, double *per_path) {
+    const unsigned all = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT;
+    const struct photon_tracing tracing = {.scene = request->scene,
+                                           .seed = request->options->seed,
+                                           .consumer = {{.paths = BOUNCES_PATHS, .classes = all}},
+                                           .bounces = photon_bounces_left(request->options, 2)};
+    struct photon_trace trace;
+    const satin_status status = trace_pilot(&tracing, pool, log, &trace);
+    if (status == SATIN_OK) *per_path = stored_per_path(&trace, all);
     return status;
 }
 

@@ -150,6 +150,24 @@ void render_skip_photons(struct render *r) {
         photon_sppm_skip(r->first_pass.sppm, (uint32_t)(r->image->taken / pixels));
 }
 
+// Among bright walls that let nothing out, paths of photons have hundreds of bounces, and the map
+// has a photon at each. More of them than this per path are no better than as many of more paths:
+// so a number that a quality has chosen is reduced. In a closed room that reflects .9 a path stores
+// 10 of them, with .98 it is 50.
+static const double STORED_MOST = 16.0;
+
+satin_status render_reduce_photons(struct render *r) {
+    satin_options *o = &r->options;
+    if (r->first_pass.chosen_by_user || !reads_photons(o)) return SATIN_OK;
+    const struct photon_request request = {.scene = &r->scene, .options = o};
+    double stored = 0.0;
+    const satin_status status = photon_count_stored(&request, r->pool, r->log, &stored);
+    if (status != SATIN_OK || stored <= STORED_MOST) return status;
+    o->photons = (int64_t)ceil((double)o->photons * STORED_MOST / stored);
+    r->first_pass.wanted = (int64_t)ceil((double)r->first_pass.wanted * STORED_MOST / stored);
+    return SATIN_OK;
+}
+
 satin_status render_photons(struct render *r) {
     if (render_steps(r)->passes) return begin_passes(r);
     const struct stats before = r->stats;

@@ -228,6 +228,8 @@ double render_progress_left(const struct render *r, double done, double elapsed)
 bool render_progress_report(struct render *r, double done);
 
 // ---- render_photons.c
+// Reduces the photons that a quality has chosen if their paths have very many bounces.
+satin_status render_reduce_photons(struct render *r);
 // Traces as many photons as a time limit allows, and makes the first-pass radiance estimate. If
 // there is no time for it, makes nothing, and the course becomes COURSE_PATHS.
 satin_status render_photons(struct render *r);

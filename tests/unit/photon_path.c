@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The balance of power: what photons bring from each kind of light is what the light emits, and is
-// absorbed or leaves the scene.
+// absorbed or leaves the scene. The number of photons of a path, and their factor for light about a
+// shading normal.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "photon/photon.h"
 #include "photon/photon_map.h"
 #include "test_scene.h"
 
@@ -125,10 +127,80 @@ static void fractions_are_those_of_the_scene(void **state) {
     test_scene_free(&t);
 }
 
+// In a closed sphere a path has 1 / (1 - albedo) photons in the mean, with a standard deviation
+// that is at most as large; the mean is over 256 of them.
+static void paths_store_by_albedo(void **state) {
+    (void)state;
+    const float albedos[] = {0.5f, 0.9f, 0.98f};
+    for (size_t i = 0; i < sizeof albedos / sizeof *albedos; i++) {
+        struct test_scene t;
+        const float albedo = albedos[i];
+        test_scene_init(&t);
+        test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true,
+                     test_diffuse(&t, albedo, albedo, albedo));
+        test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1)});
+        test_scene_finish(&t);
+        satin_options o = satin_options_default;
+        o.max_depth = -1;
+        const struct photon_request request = {.scene = &t.scene, .options = &o};
+        struct parallel *pool = parallel_new(1);
+        double stored = 0.0;
+        assert_int_equal(photon_count_stored(&request, pool, (struct log){0}, &stored), SATIN_OK);
+        const double expected = 1.0 / (1.0 - (double)albedo);
+        print_message("albedo %.2f: %.2f photons, %.2f expected\n", (double)albedo, stored,
+                      expected);
+        assert_true(fabs(stored / expected - 1.0) < 4.0 / 16.0);
+        parallel_free(pool);
+        test_scene_free(&t);
+    }
+}
+
+// Light along (-sin a, 0, -cos a) has the irradiance cos a on a floor, and cos(a - b) about a
+// normal that a map tilts by b towards it; 0 where this normal faces away.
+static void tilted_normals_have_their_irradiance(void **state) {
+    (void)state;
+    const float b = 0.6f, angles[] = {-1.2f, -0.5f, 0.0f, 0.7f, 1.3f};
+    const struct texture map = {.value =
+                                    rgb_make(0.5f + 0.5f * sinf(b), 0.5f, 0.5f + 0.5f * cosf(b))};
+    for (size_t i = 0; i < sizeof angles / sizeof *angles; i++) {
+        struct test_scene t;
+        const float a = angles[i];
+        test_scene_init(&t);
+        const uint32_t floor = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+        t.material[floor].front.bump[0].normal = &map;
+        test_rectangle(&t, mat4_identity(), floor);
+        test_light(&t, (struct light){.kind = LIGHT_DIRECTIONAL,
+                                      .value = rgb_grey(1),
+                                      .direction = v3(-sinf(a), 0, -cosf(a))});
+        test_scene_finish(&t);
+        struct parallel *pool = parallel_new(1);
+        const struct photon_tracing tracing = {
+            .scene = &t.scene, .seed = 1, .consumer = {{4096, 1 << PHOTON_DIRECT, NULL}}};
+        struct photon_trace trace[PHOTON_CONSUMERS] = {{0}};
+        assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
+        double flat = 0.0, tilted = 0.0;
+        for (size_t k = 0; k < trace[0].count; k++) {
+            const double power = (double)trace[0].hit[k].power.g;
+            flat += power;
+            tilted += power * (1.0 + (double)PHOTON_TILT_UNIT * trace[0].hit[k].tilt);
+        }
+        const double expected = fmax(cosf(a - b) / cosf(a), 0.0);
+        print_message("%.1f rad: %.3f times the light, %.3f expected\n", (double)a, tilted / flat,
+                      expected);
+        assert_true(flat > 0.0);
+        assert_true(fabs(tilted / flat - expected) <= 0.51 * (double)PHOTON_TILT_UNIT);
+        for (int k = 0; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
+        parallel_free(pool);
+        test_scene_free(&t);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(power_is_absorbed_or_escapes),
         cmocka_unit_test(fractions_are_those_of_the_scene),
+        cmocka_unit_test(paths_store_by_albedo),
+        cmocka_unit_test(tilted_normals_have_their_irradiance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
