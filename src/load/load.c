@@ -112,13 +112,21 @@ static bool find_sensor(struct load_state *loader, const struct xml_node **out) 
     return false;
 }
 
+// Whether satin does not read an object that is not used, which then changes nothing.
+static bool left_unread(const struct load_state *loader, const struct xml_node *node) {
+    if (!load_plugin_unread(node)) return false;
+    log_warning_at(loader->log, node->place, "%s '%s' is not supported; it is not used",
+                   load_plugin_noun(node->tag), node->type);
+    return true;
+}
+
 static satin_status build_sensor(struct load_state *loader, struct xml_node *node,
                                  const struct xml_node *used) {
     if (node == used) return load_sensor(loader, node);
     if (!loader->sensor)
         log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
     struct params p;
-    return load_params(loader, node, &p);
+    return left_unread(loader, node) ? SATIN_OK : load_params(loader, node, &p);
 }
 
 static bool same_window(const struct scene_film *a, const struct scene_film *b) {
@@ -187,7 +195,7 @@ static satin_status check_unused(struct load_state *loader) {
          node = node->next) {
         struct material material;
         const struct texture *texture;
-        if (node->tag == XML_BSDF && !node->material)
+        if (node->tag == XML_BSDF && !node->material && !left_unread(loader, node))
             status = load_material_build(loader, node, &material);
         if (node->tag == XML_TEXTURE) status = load_texture_of(loader, node, &texture);
     }

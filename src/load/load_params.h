@@ -150,6 +150,8 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
 bool load_param_known(enum xml_tag tag, const char *name);
 // Integrators that are read like `path` (load_plugins_integrator.c), NULL-ended.
 extern const char *const load_transport[];
+// Whether Mitsuba has the plugin of an object and satin does not read it.
+bool load_plugin_unread(const struct xml_node *node);
 // The word for an object in messages: BRDF, shape, ...
 const char *load_plugin_noun(enum xml_tag tag);
 

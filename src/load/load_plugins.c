@@ -27,9 +27,20 @@ struct unread_kind {
 
 static const char *const unread_shapes[] = {
     "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "heightfield", "hair", "mesh", NULL};
-static const char *const unread_bsdfs[] = {"measured",           "hair",     "pplastic",
-                                           "polarizer",          "retarder", "circular",
-                                           "measured_polarized", NULL};
+static const char *const unread_bsdfs[] = {"measured",
+                                           "hair",
+                                           "pplastic",
+                                           "polarizer",
+                                           "retarder",
+                                           "circular",
+                                           "measured_polarized",
+                                           "mixturebsdf",
+                                           "coating",
+                                           "roughcoating",
+                                           "difftrans",
+                                           "hk",
+                                           "irawan",
+                                           NULL};
 static const char *const unread_textures[] = {"volume",    "volumeadapter", "vertexcolors",
                                               "wireframe", "curvature",     NULL};
 static const char *const unread_emitters[] = {"timed_sunsky", "volumelight", NULL};
@@ -49,7 +60,7 @@ const char *load_plugin_noun(enum xml_tag tag) {
     return tag == XML_RFILTER ? "filter" : load_xml_tag_name(tag);
 }
 
-static bool is_unread(const struct xml_node *node) {
+bool load_plugin_unread(const struct xml_node *node) {
     for (size_t i = 0; i < sizeof unread_plugins / sizeof *unread_plugins; i++) {
         if (unread_plugins[i].tag != node->tag) continue;
         for (const char *const *name = unread_plugins[i].name; *name; name++)
@@ -107,7 +118,7 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
     if (plugin) return plugin;
     const char *noun = load_plugin_noun(node->tag), *nearest = nearest_name(node);
     const char *plain = substitute_type(node->tag);
-    if (is_unread(node)) {
+    if (load_plugin_unread(node)) {
         log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);
     } else if (nearest) {
         log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,

@@ -228,8 +228,11 @@ static satin_status build_spot(struct load_state *loader, const struct params *p
     float cutoff = load_param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
     if (load_param(p, "beam_width")->given) beam = load_param(p, "beam_width")->f;
     if (cutoff > 180.0f) return load_refuse(loader, p, "its cutoff_angle is over 180 degrees");
-    if (beam > cutoff)
-        return load_refuse(loader, p, "its beam_width is larger than its cutoff_angle");
+    if (beam > cutoff) {
+        log_warning_at(loader->log, p->node->place,
+                       "its beam_width is larger than its cutoff_angle, where its light ends");
+        beam = cutoff;
+    }
     light->kind = LIGHT_SPOT;
     light->value = load_param(p, "intensity")->color;
     satin_status status = set_texture(loader, load_param(p, "texture"), light);

@@ -49,14 +49,19 @@ static const char *const unread_tags[] = {"medium", "phase", "volume", "field", 
 
 const char *load_xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 
+bool load_xml_tag_unread(const char *name) {
+    for (int i = 0; unread_tags[i]; i++)
+        if (strcmp(unread_tags[i], name) == 0) return true;
+    return false;
+}
+
 enum xml_tag load_xml_tag_find(struct log log, struct log_place place, const char *name) {
     for (int i = 0; i < XML_TAG_COUNT; i++)
         if (strcmp(tags[i].name, name) == 0) return (enum xml_tag)i;
-    for (int i = 0; unread_tags[i]; i++)
-        if (strcmp(unread_tags[i], name) == 0) {
-            log_error_at(log, place, "<%s> is not supported", name);
-            return XML_TAG_COUNT;
-        }
+    if (load_xml_tag_unread(name)) {
+        log_error_at(log, place, "<%s> is not supported", name);
+        return XML_TAG_COUNT;
+    }
     struct text_nearest nearest = {.word = name};
     for (int i = 0; i < XML_TAG_COUNT; i++) text_nearest_try(&nearest, tags[i].name);
     if (nearest.best)

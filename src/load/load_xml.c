@@ -28,6 +28,7 @@ struct xml_reader {
     size_t nodes;
     struct xml_node *open[XML_DEPTH_MAX];  // elements that are not closed yet
     int depth;
+    int skipped;  // number of open elements that are not read, below those of `depth`
 };
 
 // A file that is being read.
@@ -223,9 +224,24 @@ static satin_status open_element(struct file *file, const char *name, const char
     return status;
 }
 
+// Whether an element is not read, with all that it contains. Media and volumes beside the shapes
+// change nothing unless something refers to them, which then finds no object of that name.
+static bool skips(const struct file *file, const char *name) {
+    const struct xml_reader *reader = file->reader;
+    if (reader->skipped > 0) return true;
+    const struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
+    if (!parent || parent->tag != XML_SCENE || !load_xml_tag_unread(name)) return false;
+    log_warning_at(reader->log, current_place(file), "<%s> is not supported; it is not used", name);
+    return true;
+}
+
 static void XMLCALL on_start(void *user, const char *name, const char **attributes) {
     struct file *file = user;
     if (file->reader->status != SATIN_OK) return;
+    if (skips(file, name)) {
+        file->reader->skipped++;
+        return;
+    }
     satin_status status = open_element(file, name, attributes);
     if (status != SATIN_OK) stop_parsing(file, status);
 }
@@ -233,7 +249,11 @@ static void XMLCALL on_start(void *user, const char *name, const char **attribut
 static void XMLCALL on_end(void *user, const char *name) {
     (void)name;
     struct file *file = user;
-    if (file->reader->status == SATIN_OK) file->reader->depth--;
+    if (file->reader->status != SATIN_OK) return;
+    if (file->reader->skipped > 0)
+        file->reader->skipped--;
+    else
+        file->reader->depth--;
 }
 
 // Expat splits text at line breaks, and seldom within a line.
@@ -241,7 +261,7 @@ static void XMLCALL on_text(void *user, const char *text, int length) {
     struct file *file = user;
     int first = 0;
     while (first < length && strchr(" \t\r\n", text[first])) first++;
-    if (first == length || file->reader->status != SATIN_OK) return;
+    if (first == length || file->reader->status != SATIN_OK || file->reader->skipped > 0) return;
     log_warning_at(file->reader->log, current_place(file), "the text '%.*s' has no meaning here",
                    length - first < 40 ? length - first : 40, text + first);
 }

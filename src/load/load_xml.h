@@ -147,6 +147,8 @@ static inline bool load_xml_is_shared(enum xml_tag tag) {
 
 // Whether `child` may stand inside `parent`.
 bool load_xml_may_contain(enum xml_tag parent, enum xml_tag child);
+// Whether this is an element that Mitsuba has and satin does not read.
+bool load_xml_tag_unread(const char *name);
 // The tag of an element name. If satin does not read it, logs the reason and returns XML_TAG_COUNT.
 enum xml_tag load_xml_tag_find(struct log log, struct log_place place, const char *name);
 // Checks the attributes of an element; the root of a file needs a version. Logs errors.

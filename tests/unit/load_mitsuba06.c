@@ -155,7 +155,8 @@ static void what_has_no_translation_is_refused(void **state) {
     static const char *const cases[][2] = {
         {"<bsdf type='roughplastic'><string name='distribution' value='as'/></bsdf>",
          "scene.xml:1:50: distribution: unknown value 'as'"},
-        {"<medium type='homogeneous'/>", "scene.xml:1:24: <medium> is not supported"},
+        {"<shape type='sphere'><medium type='homogeneous'/></shape>",
+         "scene.xml:1:45: <medium> is not supported"},
         {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",
          "scene.xml:1:47: gamma is '1.8', but must be 1, 2.2 or -1"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

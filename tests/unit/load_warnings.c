@@ -40,6 +40,11 @@ static const struct nonsense warned[] = {
      "shape 'cube' has no area and is not seen"},
     {"<shape type='rectangle'>" TO_WORLD("<scale x='0'/>") "</shape>",
      "shape 'rectangle' has no area and is not seen"},
+    {"<emitter type='spot'><float name='beam_width' value='30'/></emitter>",
+     "its beam_width is larger than its cutoff_angle, where its light ends"},
+    {"<bsdf type='hair' id='h'/>", "BRDF 'hair' is not supported; it is not used"},
+    {"<medium type='homogeneous' id='m'><phase type='hg'/>text</medium>",
+     "<medium> is not supported; it is not used"},
 };
 
 static const struct nonsense refused[] = {
