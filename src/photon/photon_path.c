@@ -42,6 +42,7 @@ static int8_t tilt_by_normal(const struct satin_scene *scene, const struct inter
         return 0;
     const vec3 m = v3_dot(frame.n, n) < 0.0f ? v3_neg(frame.n) : frame.n;
     const float in_s = v3_dot(wi, m), in_g = v3_dot(wi, n);
+    if (!(in_g > 0.0f)) return 0;
     const bool behind = in_s < 0.0f && !brdf_transmits(&side->base);
     const float factor = behind ? 0.0f : minf(fabsf(in_s), PHOTON_TILT_MOST * in_g) / in_g;
     return (int8_t)lrintf((factor - 1.0f) / PHOTON_TILT_UNIT);
