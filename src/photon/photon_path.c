@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Follows one photon: it scatters, and is stored where a smooth lobe could reflect it. Scattering
 // ends by Russian roulette with the albedo, which keeps the photons' powers equal [Jensen 2001].
-// Shading normals have the factor of the adjoint BSDF [Veach 1997, 5.3.2].
+// Shading normals have the factor of the adjoint BSDF [Veach 1997, 5.3.2], which can make a photon
+// much stronger than others: then it is split.
 #include "photon/photon_path.h"
 
 #include "base/array.h"
+#include "base/sampling.h"
 
-// Ends paths that a mirror with albedo 1 would continue for ever.
-enum { BOUNCES_MAX = 1000 };
+enum {
+    BOUNCES_MAX = 1000,  // ends paths that a mirror with albedo 1 would continue for ever
+    SPLIT_MOST = 64      // a bound of time alone: photons grow so much once in thousands of bounces
+};
+
+// Normals whose cosine is larger count as equal: of the directions by the cosine about one of them,
+// one in 2,500 has a cosine about the other that is over 1.5 times larger.
+static const float TILTED_COSINE = 0.9998f;
 
 static bool append(struct photon_stored *photons, struct photon_hit hit, enum photon_class class) {
     void *items = photons->hit;
@@ -93,64 +101,160 @@ static bool stores_photons(const struct satin_scene *scene, const struct interac
     return false;
 }
 
-// Scatters the photon at s. False if it is absorbed, or refused because its power is not finite.
-static bool scatter(const struct satin_scene *scene, const struct interaction *s, unsigned lobes,
-                    struct rng *rng, struct photon_path *photon, uint64_t *refused) {
-    vec3 wi = v3_neg(photon->ray.d);
-    struct brdf b;
+// The scene and what the paths of a chunk have in common.
+struct path_walk {
+    const struct satin_scene *scene;
+    unsigned lobes;  // that scatter
+    int bounces;     // the last one that is stored; < 0: no limit
+    float unit;      // the largest component of the power with which the path began
+    struct rng *rng;
+    struct photon_chunk *chunk;
+};
+
+// Where a photon is scattered.
+struct path_surface {
+    const struct interaction *s;
+    vec3 wi, n;  // n: the normal of the surface on the side of wi
+    struct brdf brdf;
     struct frame frame;
-    if (!scene_brdf(scene, s, wi, &b, &frame)) return false;
-    float u_lobe = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
-    struct brdf_sample sample;
-    if (!brdf_sample_wi(&b, frame_to_local(&frame, wi), u_lobe, (vec2){u, v}, lobes, BRDF_POWER,
-                        &sample))
-        return false;
-    vec3 wo = frame_to_world(&frame, sample.wi);
-    float in_s = fabsf(v3_dot(wi, frame.n)), in_g = fabsf(v3_dot(wi, s->ng)),
-          out_s = fabsf(v3_dot(wo, frame.n)), out_g = fabsf(v3_dot(wo, s->ng));
-    float adjoint = in_s * out_g / (in_g * out_s);
-    rgb power = rgb_scale(rgb_mul(photon->power, sample.weight), adjoint);
-    float before = rgb_max(photon->power), after = rgb_max(power);
-    if (!rgb_finite(power)) {
-        ++*refused;
-        return false;
-    }
-    if (!(after > 0.0f)) return false;
-    float survival = fminf(after / before, 1.0f);
-    if (rng_float(rng) >= survival) return false;
-    if (!(sample.lobe & BRDF_DELTA))
-        photon->class = PHOTON_INDIRECT;
-    else if (photon->class == PHOTON_DIRECT)
-        light_chain_pass(&photon->chain, scene, s, wi, frame_to_local(&frame, wi), &sample);
-    photon->power = rgb_scale(power, 1.0f / survival);
-    photon->ray = scene_spawn(scene, s->p, s->ng, wo);
-    return true;
-}
+};
 
 static double luminous(const struct photon_path *photon) {
     return (double)rgb_luminance(photon->power);
 }
 
-void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
-                        struct photon_path photon, struct rng *rng, struct photon_chunk *chunk) {
-    const unsigned lobes = caustic ? BRDF_DELTA : BRDF_ALL;
-    const int most = bounces < 0 ? BOUNCES_MAX : bounces;
-    for (int bounce = 0; bounce <= most; bounce++) {
+// Whether directions are drawn about the surface's normal too: where a photon meets a smooth lobe
+// about another normal. Of the side behind, light that is transmitted has the shading normal's.
+static bool is_tilted(const struct path_surface *at, unsigned lobes) {
+    return lobes == BRDF_ALL && fabsf(v3_dot(at->frame.n, at->n)) < TILTED_COSINE &&
+           brdf_lobes(&at->brdf) & BRDF_SMOOTH && !brdf_transmits(&at->brdf);
+}
+
+// Draws the direction of a photon that is scattered about a tilted normal. The cosine about that
+// normal is small where that about the surface's need not be, and their ratio has no limit. So half
+// of the directions of smooth lobes are drawn by the cosine about the surface's normal.
+static bool draw_tilted(const struct path_surface *at, const float u[3], struct brdf_sample *out) {
+    const vec3 wi_l = frame_to_local(&at->frame, at->wi);
+    const vec2 direction = {u[1], u[2]};
+    float pdf_surface;
+    if (u[0] < 0.5f) {
+        const struct frame flat = frame_from_normal(at->n);
+        const vec3 wo = frame_to_world(&flat, sample_cosine_hemisphere(u[1], u[2]));
+        const vec3 wo_l = frame_to_local(&at->frame, wo);
+        *out = (struct brdf_sample){.wi = wo_l, .lobe = BRDF_DIFFUSE, .eta = 1.0f};
+        out->pdf_w = brdf_pdf(&at->brdf, wi_l, wo_l, BRDF_ALL);
+        out->weight = rgb_scale(brdf_eval(&at->brdf, wi_l, wo_l, BRDF_SMOOTH), fabsf(wo_l.z));
+        pdf_surface = v3_dot(wo, at->n) / PI_F;
+    } else {
+        const float u_lobe = sample_rest(u[0], 0.5f);
+        if (!brdf_sample_wi(&at->brdf, wi_l, u_lobe, direction, BRDF_ALL, BRDF_POWER, out))
+            return false;
+        out->weight = rgb_scale(out->weight, out->lobe & BRDF_DELTA ? 2.0f : out->pdf_w);
+        if (out->lobe & BRDF_DELTA) return true;
+        pdf_surface = v3_dot(frame_to_world(&at->frame, out->wi), at->n) / PI_F;
+    }
+    const float pdf = 0.5f * (out->pdf_w + fmaxf(pdf_surface, 0.0f));
+    if (!(pdf > 0.0f)) return false;
+    out->weight = rgb_scale(out->weight, 1.0f / pdf);
+    return true;
+}
+
+// Draws the scattered direction, in the frame, and its weight.
+static bool draw_scattered(const struct path_walk *walk, const struct path_surface *at,
+                           struct brdf_sample *out) {
+    const float u_lobe = rng_float(walk->rng), x = rng_float(walk->rng), y = rng_float(walk->rng);
+    if (is_tilted(at, walk->lobes)) return draw_tilted(at, (float[]){u_lobe, x, y}, out);
+    return brdf_sample_wi(&at->brdf, frame_to_local(&at->frame, at->wi), u_lobe, (vec2){x, y},
+                          walk->lobes, BRDF_POWER, out);
+}
+
+// How much more of a photon's power the shading normal takes than the surface: the factor of the
+// adjoint BSDF that does not depend on the scattered direction.
+static float factor_in(const struct path_surface *at) {
+    return fabsf(v3_dot(at->wi, at->frame.n)) / fabsf(v3_dot(at->wi, at->n));
+}
+
+// The number of photons into which one is split before it is scattered, so that those which go on
+// have the power with which the path began.
+static int split_count(const struct path_walk *walk, const struct path_surface *at,
+                       const struct photon_path *photon) {
+    const float power = rgb_max(photon->power) * fmaxf(factor_in(at), 1.0f);
+    return power < 1.5f * walk->unit ? 1 : (int)fminf(rintf(power / walk->unit), SPLIT_MOST);
+}
+
+// Scatters the photon. False if it is absorbed, or refused because its power is not finite.
+static bool scatter(const struct path_walk *walk, const struct path_surface *at,
+                    struct photon_path *photon) {
+    struct brdf_sample sample;
+    if (!draw_scattered(walk, at, &sample)) return false;
+    const vec3 wo = frame_to_world(&at->frame, sample.wi);
+    const float adjoint = factor_in(at) * fabsf(v3_dot(wo, at->n)) / fabsf(v3_dot(wo, at->frame.n));
+    const rgb power = rgb_scale(rgb_mul(photon->power, sample.weight), adjoint);
+    if (!rgb_finite(power)) {
+        walk->chunk->refused++;
+        return false;
+    }
+    const float after = rgb_max(power);
+    if (!(after > 0.0f)) return false;
+    const float survival = fminf(after / walk->unit, 1.0f);
+    if (rng_float(walk->rng) >= survival) return false;
+    if (!(sample.lobe & BRDF_DELTA))
+        photon->class = PHOTON_INDIRECT;
+    else if (photon->class == PHOTON_DIRECT)
+        light_chain_pass(&photon->chain, walk->scene, at->s, at->wi,
+                         frame_to_local(&at->frame, at->wi), &sample);
+    photon->power = rgb_scale(power, 1.0f / survival);
+    photon->ray = scene_spawn(walk->scene, at->s->p, at->s->ng, wo);
+    return true;
+}
+
+// Stores the photon where it hits. False if it ends there.
+static bool arrive(const struct path_walk *walk, struct photon_path *photon, int bounce,
+                   struct path_surface *at, struct interaction *s) {
+    if (!scene_intersect(walk->scene, &photon->ray, s)) {
+        walk->chunk->power.escaped += luminous(photon);
+        return false;
+    }
+    photon->bounces = (uint8_t)(bounce < PHOTON_BOUNCES_MOST ? bounce : PHOTON_BOUNCES_MOST);
+    photon->last = bounce == walk->bounces;
+    at->s = s;
+    at->wi = v3_neg(photon->ray.d);
+    at->n = v3_dot(s->ng, at->wi) < 0.0f ? v3_neg(s->ng) : s->ng;
+    if (photon->wanted >> class_of(photon) & 1u && stores_photons(walk->scene, s, at->wi) &&
+        !store_photon(walk->scene, walk->chunk, s, photon))
+        return false;
+    if (scene_brdf(walk->scene, s, at->wi, &at->brdf, &at->frame)) return true;
+    walk->chunk->power.absorbed += luminous(photon);
+    return false;
+}
+
+static void follow(const struct path_walk *walk, struct photon_path photon, int bounce) {
+    const int most = walk->bounces < 0 ? BOUNCES_MAX : walk->bounces;
+    for (; bounce <= most; bounce++) {
         struct interaction s;
-        if (!scene_intersect(scene, &photon.ray, &s)) {
-            chunk->power.escaped += luminous(&photon);
-            return;
-        }
-        photon.bounces = (uint8_t)(bounce < PHOTON_BOUNCES_MOST ? bounce : PHOTON_BOUNCES_MOST);
-        photon.last = bounce == bounces;
-        if (photon.wanted >> class_of(&photon) & 1u &&
-            stores_photons(scene, &s, v3_neg(photon.ray.d)) &&
-            !store_photon(scene, chunk, &s, &photon))
-            return;
+        struct path_surface at;
+        if (!arrive(walk, &photon, bounce, &at, &s)) return;
+        const int count = split_count(walk, &at, &photon);
+        photon.power = rgb_scale(photon.power, 1.0f / (float)count);
         const double before = luminous(&photon);
-        const bool goes_on = scatter(scene, &s, lobes, rng, &photon, &chunk->refused);
-        chunk->power.absorbed += goes_on ? before - luminous(&photon) : before;
+        bool goes_on = false;
+        for (int i = 0; i < count; i++) {
+            struct photon_path scattered = photon;
+            goes_on = scatter(walk, &at, &scattered);
+            walk->chunk->power.absorbed += goes_on ? before - luminous(&scattered) : before;
+            if (i == count - 1)
+                photon = scattered;
+            else if (goes_on)
+                follow(walk, scattered, bounce + 1);
+        }
         if (!goes_on) return;
     }
-    chunk->power.ended += luminous(&photon);
+    walk->chunk->power.ended += luminous(&photon);
+}
+
+void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
+                        struct photon_path photon, struct rng *rng, struct photon_chunk *chunk) {
+    const struct path_walk walk = {
+        scene, caustic ? BRDF_DELTA : BRDF_ALL, bounces, rgb_max(photon.power), rng, chunk};
+    follow(&walk, photon, 0);
 }
