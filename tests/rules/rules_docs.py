@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks that the documentation is true where a program can check it: commands in ```sh blocks use
-arguments, options and scripts that exist, ```xml scenes load, links lead to files, and all
-statistics that the source names have a row in docs/formats.md.
+arguments, options and scripts that exist, ```xml scenes load, links lead to files and to headings
+of pages, and all statistics that the source names have a row in docs/formats.md.
 
 Usage: rules_docs.py TREE SATIN
 """
+import collections
+import functools
 import pathlib
 import re
 import shlex
@@ -14,6 +16,20 @@ import sys
 import tempfile
 
 FOREIGN = {"meson", "ninja", "apt-get", "pip", "sed"}  # other projects' commands, not checked
+
+
+@functools.lru_cache(maxsize=None)
+def anchors(path):
+    """The anchors of a page's headings, as GitHub and GitLab name them: in lower case, hyphens for
+    blanks, without punctuation, and numbered from the second heading of one name on."""
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+    found, times = set(), collections.Counter()
+    for heading in re.findall(r"^#+ +(.*?)[ #]*$", text, re.MULTILINE):
+        heading = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading)
+        name = re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-")
+        found.add(f"{name}-{times[name]}" if times[name] else name)
+        times[name] += 1
+    return found
 
 
 class Checker:
@@ -84,6 +100,13 @@ class Checker:
             if status != 0:
                 yield message.strip().replace(str(path), "scene.xml")
 
+    def link(self, path, link, anchor):
+        to = path.parent / link if link else path
+        if not to.exists():
+            yield f"the link to {link} leads nowhere"
+        elif anchor and to.suffix == ".md" and anchor not in anchors(to):
+            yield f"the link to {link}#{anchor} leads to no heading"
+
     def page(self, path):
         text = path.read_text(encoding="utf-8")
         for kind, block in re.findall(r"^```(\w+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
@@ -92,9 +115,9 @@ class Checker:
             elif kind == "sh":
                 for line in block.replace("\\\n", " ").splitlines():
                     self.note(path, self.command(line))
-        for link in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
-            if "://" not in link and not (path.parent / link).exists():
-                self.note(path, [f"the link to {link} leads nowhere"])
+        for link, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)\s]*))?[^)]*\)", text):
+            if "://" not in link:
+                self.note(path, self.link(path, link, anchor))
 
     def statistics(self, path):
         rows = path.read_text(encoding="utf-8")
