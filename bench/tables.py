@@ -98,7 +98,7 @@ def wrong_with(tree, name):
         yield (f"{RESULTS}{file} is older than the code that decides it: run bench/tables.py make "
                f"{name}, or bench/tables.py accept {name} WHY if it cannot have changed")
     if file.endswith(".md"):
-        pages = "\n".join(p.read_text(encoding="utf-8") for p in (tree / "docs").glob("*.md"))
+        pages = "\n".join(p.read_text(encoding="utf-8") for p in (tree / "docs").rglob("*.md"))
         for line in table.read_text(encoding="utf-8").splitlines():
             if line.startswith("|") and line not in pages.splitlines():
                 yield f"no page of docs has the line {line} of {RESULTS}{file}"

@@ -136,7 +136,7 @@ class Checker:
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     checker = Checker(tree, sys.argv[2])
-    pages = [tree / "README.md", *sorted((tree / "docs").glob("*.md")), tree / "data/README.md",
+    pages = [tree / "README.md", *sorted((tree / "docs").rglob("*.md")), tree / "data/README.md",
              tree / "tests/fuzz/README.md"]
     for path in pages:
         checker.page(path)

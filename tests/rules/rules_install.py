@@ -24,7 +24,7 @@ def main():
         return None
 
     wanted = [tree / "README.md", tree / "CHANGELOG.md", tree / "LICENSE", tree / "data/README.md"]
-    wanted += sorted((tree / "docs").glob("*.md")) + sorted((tree / "docs").glob("*.png"))
+    wanted += sorted((tree / "docs").rglob("*.md")) + sorted((tree / "docs").glob("*.png"))
     wanted += sorted((tree / "docs").glob("*.c"))
     wanted += [p for p in sorted((tree / "data/scenes").rglob("*")) if p.is_file()]
     readme, wrong = installed(tree / "README.md"), []

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that the tables of sizes and includes in docs/experiments.md are those that sizes.py
-prints. Line counts change with every commit, so those of a folder may differ by a twentieth, and
-those of the lengths of functions and files too; numbers of files, and which folder includes which,
-may not.
+"""Checks that the tables of sizes and includes in docs/experiments/structure.md are those that
+sizes.py prints. Line counts change with every commit, so those of a folder may differ by a
+twentieth, and those of the lengths of functions and files too; numbers of files, and which folder
+includes which, may not.
 
 Usage: rules_sizes.py TREE. `sizes.py TREE --write` updates the page.
 """

@@ -4,8 +4,8 @@
 files and functions are, and how many includes lead from each folder to which.
 
 Usage: sizes.py TREE [--write]
-Prints the tables of docs/experiments.md between SIZES and SIZES_END. With --write it puts them into
-the page. rules_sizes.py compares them with the page.
+Prints the tables of docs/experiments/structure.md between SIZES and SIZES_END. With --write it puts
+them into the page. rules_sizes.py compares them with the page.
 """
 import collections
 import pathlib
@@ -16,7 +16,7 @@ import sys
 sys.dont_write_bytecode = True
 from rules_sources import CODE, ORDER, function_lengths  # pylint: disable=wrong-import-position
 
-PAGE = "docs/experiments.md"
+PAGE = "docs/experiments/structure.md"
 SIZES, SIZES_END = "<!-- sizes.py -->\n", "<!-- end of sizes.py -->\n"
 # Generated tables, which are not in the longest file.
 GENERATED = {"rsh_tables.h", "light_sky_tables.c"}
