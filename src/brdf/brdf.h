@@ -213,7 +213,7 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena);
 // then find the light that it reflects, not light samples: it does not show lights without an
 // extent. Otherwise a gather ray found a small lamp in it once in thousands of times, and a record
 // with such a ray was a bright disc. Coats reflect so little that the photons cost more than they
-// gain (docs/experiments.md). To be called after brdf_prepare, if the roughness is constant.
+// gain (docs/experiments/rooms.md). To be called after brdf_prepare, if the roughness is constant.
 #define BRDF_POLISHED 0.01f
 void brdf_polish(struct brdf *b);
 static inline bool brdf_is_polished(const struct brdf *b) { return b->model->polished; }

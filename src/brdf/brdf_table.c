@@ -15,7 +15,7 @@
 // squared error is the power of the omitted bands over (l + 1)^3, relative to the same sum over all
 // bands. This predicts the error within a factor of 1.5. A bound on the error of the BRDF itself
 // would refuse lobes that end at the horizon, although they are represented as well
-// (docs/experiments.md).
+// (docs/experiments/gradients-and-harmonics.md).
 #include "brdf/brdf_table.h"
 
 #include <stdlib.h>

@@ -48,7 +48,8 @@ void cache_options_of(const satin_options *o, struct cache_options out[CACHE_KIN
 // A record none of whose rays meets anything has no radius of its own. Of a ring on a wide table,
 // the first such records took the whole image, and no light of the ring was left in one of ten
 // drafts. So the influence radius of irradiance records is a fraction of the film at most, or some
-// pixels. That makes no difference to the number of records elsewhere (docs/experiments.md).
+// pixels. That makes no difference to the number of records elsewhere
+// (docs/experiments/cache-errors.md).
 #define FILM_FRACTION 0.125f
 #define FILM_PIXELS 8.0f
 static float limit_pixels(const struct satin_scene *scene, float most) {

@@ -7,8 +7,8 @@
 #include "fill/fill_record.h"
 
 // Contributions of one point. Those beyond it would be read without a test: with 6, which the
-// thesis has, the corner of a shadow was blurred over 15 pixels (docs/experiments.md). At preview a
-// point has 8 in the mean, 99 % have at most 18.
+// thesis has, the corner of a shadow was blurred over 15 pixels (docs/experiments/cache-errors.md).
+// At preview a point has 8 in the mean, 99 % have at most 18.
 enum { FILL_CONTRIBUTIONS = 24 };
 
 // The light of one record at a point.

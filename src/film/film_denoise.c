@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Denoising by Open Image Denoise's filter for ray-traced images, with albedo and normal as
 // auxiliary images. It runs on the CPU, where its result does not depend on the number of threads
-// (docs/experiments.md).
+// (docs/experiments/denoising.md).
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

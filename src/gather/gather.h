@@ -112,7 +112,7 @@ struct gather_met_light gather_meet_light(const struct gather *g, const struct l
 // Light that ideal specular surfaces send to a sampled glossy lobe is from caustic photons, except
 // in directions that the lobe draws with a larger density [sr^-1], as few photons come from there.
 // A small lamp behind curved glass is hardly ever met by following a wide lobe: with 3, single rays
-// are most of some records (docs/experiments.md).
+// are most of some records (docs/experiments/rooms.md).
 #define GATHER_CAUSTIC_PDF_MOST 100.0f
 // Whether caustic photons have the light that specular surfaces send to the glossy lobe of y from
 // the local direction wi. The inside of a surface that transmits has no photons.

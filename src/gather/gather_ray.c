@@ -57,7 +57,7 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
 // number of samples removes, and no denoiser: it is a blotch. Their number of lookups is the area
 // that they hit, t^2 / pdf, over that of the disc, and the relative error of the mean of n lookups
 // of k photons is 1 / sqrt(k n). This is the largest error, the difference that is perceptible by
-// Weber's law. Measured on the glossy floor of a room (docs/experiments.md).
+// Weber's law. Measured on the glossy floor of a room (docs/experiments/denoising.md).
 static const float NOISE_MOST = 0.02f;
 
 static bool averages_few(const struct gather *g, const struct gather_hit *hit, float radius) {

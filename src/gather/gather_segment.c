@@ -38,8 +38,8 @@ static float end_probability(const struct shading_point *p) {
 // times width, and light that it reflects spreads by twice that, as by facets of so large an alpha.
 // To such a ray a small or distant ball with a narrow lobe reflects light in all directions. With
 // the ray's own width alone, one ray in some thousands met its highlight and was 99 % of a record
-// (docs/experiments.md). The largest alpha is below 1, where the coat of the principled model has
-// no density.
+// (docs/experiments/sweep.md). The largest alpha is below 1, where the coat of the principled model
+// has no density.
 static const float ALPHA_CURVED_MOST = 0.9f;
 
 static float alpha_least_at(const struct gather *g, const struct gather_segment_start *start,

@@ -3,7 +3,7 @@
 // discs: the nodes of the map's index, in which a search goes on behind all nodes below one whose
 // box is elsewhere, and needs no stack. If photons counted only where they are among the k nearest
 // ones, those of wide discs would be left out in the denser light beside them, and light from lamps
-// behind glass would be 1.3 % too dark (docs/experiments.md).
+// behind glass would be 1.3 % too dark (docs/experiments/caustics.md).
 #include "photon/photon_cover.h"
 
 #include <math.h>

@@ -3,7 +3,8 @@
 // map is built. A photon's power divided by this area, on the part of its disc that walls and edges
 // leave, is all of its power, wherever the estimates are made that count it: an estimate needs no
 // rays. Before, each estimate measured the area of its own disc by 33 or more rays, which took a
-// fifth of the time of a render where caustics are most of the light (docs/experiments.md).
+// fifth of the time of a render where caustics are most of the light
+// (docs/experiments/gather-time.md).
 #include "photon/photon_own_area.h"
 
 #include <math.h>

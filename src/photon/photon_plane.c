@@ -18,7 +18,7 @@ enum {
 // Mean squared differences in units of that noise: from PRESERVED_FROM on an increasing fraction is
 // preserved; beyond DIFFERS_MOST larger ones count the same. With 1.5 and 3 walls of a bathroom had
 // spots where noise was taken for detail. With 2 and 4 a border of light was softer: its error is
-// 1.12 times that without smoothing, 1.09 with the others (docs/experiments.md).
+// 1.12 times that without smoothing, 1.09 with the others (docs/experiments/caustics.md).
 #define PRESERVED_FROM 2.0f
 #define DIFFERS_MOST 6.0f
 #define PLANE_DEVIATIONS 4.0f  // beyond which a difference is not noise

@@ -9,7 +9,7 @@
 // The discs keep their radii. If they shrink from batch to batch as in photon_sppm.c, bias falls no
 // faster, because it comes from the spacing of the entries more than from the width of their discs,
 // while noise falls slower: 1.02 to 1.15 times the error after 4 to 64 batches
-// (docs/experiments.md).
+// (docs/experiments/first-passes.md).
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -40,7 +40,7 @@ static const float VOXEL_WIDTH = 1.0f;
 // lit surfaces, too large ones mix their spacings. With 8 there are 1.0 to 2.8 times as many
 // searches, with 32 .7 to 1 times; with one region for all 2.5 times in living-room, 1.2 in
 // staircase2, and .1 to 1 times in four scenes without a sky or with few entries
-// (docs/experiments.md).
+// (docs/experiments/gather-time.md).
 static const float REGION_ENTRIES = 16.0f;
 
 // The box of regions ends at so many standard deviations from the mean of the entries, so that a

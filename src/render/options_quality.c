@@ -4,7 +4,8 @@
 // are straight lines over the logarithm of effort. With less time than the first preset takes, its
 // records are coarser (render_budget.c). Beyond the last preset they continue by powers of effort,
 // so that many cores or much time are spent where that lowers the error. The time and the error of
-// the presets, and of 16 times the effort of the last one, are in docs/experiments.md.
+// the presets, and of 16 times the effort of the last one, are in
+// docs/experiments/error-against-time.md.
 #include "render/options_quality.h"
 
 #include <math.h>
@@ -206,7 +207,7 @@ bool options_quality_chooses_photons(const satin_options *options) {
 
 // A pass of integrator sppm has the photons of the first preset, however long the render takes: its
 // error falls with the number of passes. With photons that grew with time, caustic had 11, 7 and 9
-// passes in 10, 30 and 100 s, and its error rose (docs/experiments.md).
+// passes in 10, 30 and 100 s, and its error rose (docs/experiments/caustics.md).
 static double effort_of(const satin_options *options, const struct option *o, double seconds,
                         double pixels) {
     if (o->kind != OPTION_COUNT) return seconds / pixels;

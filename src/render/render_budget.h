@@ -182,7 +182,7 @@ bool render_covering_without_records(const satin_options *options,
 // with 64 and with all pixels for one of two seeds each. In a view after the first one, most of
 // what it sees is covered by the records of others, so the first block of a level has
 // RENDER_VIEW_PIXELS: in a walk of 60 frames, 1024, 4096, 16384 and all pixels took 4.9, 5.2, 6.8
-// and 6.9 CPU seconds for records that cover the frames equally (docs/experiments.md).
+// and 6.9 CPU seconds for records that cover the frames equally (docs/experiments/animations.md).
 enum { RENDER_FIRST_PIXELS = 8, RENDER_VIEW_PIXELS = 4096 };
 // Whether the rest of a level is filled in a view after the first one, of whose last `pixels`
 // pixels `made` records were made: at least one per RENDER_VIEW_PIXELS.
@@ -226,7 +226,7 @@ uint32_t render_budget_rim_rays(const satin_options *options, double core_second
                                 size_t at_rims, bool late);
 // By how much the number of samples of a noisy pixel may grow in one pass, as a factor: half of its
 // number, as many samples show its noise well enough for more, within these limits. The tail of a
-// filter beside an edge needs hundreds of samples (docs/experiments.md).
+// filter beside an edge needs hundreds of samples (docs/experiments/direct-light.md).
 enum { RENDER_GROWTH_LEAST = 4, RENDER_GROWTH_MOST = 16 };
 // The largest number of light samples per sample: beyond it they dominate the cost, and are
 // stratified well enough.

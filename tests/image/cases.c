@@ -11,8 +11,8 @@
 //     rms    sqrt(mean((x - r)^2 - v)) / mean(r)        everything
 //     block  largest |mean of x - r in 3x3| / mean(r)   visible blotches
 //
-// The seed is fixed; docs/experiments.md has the errors that were measured with it. On failure
-// cases-NAME.exr in the working folder holds the image.
+// The seed is fixed; docs/experiments/cache-errors.md has the errors that were measured with it. On
+// failure cases-NAME.exr in the working folder holds the image.
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -14,7 +14,7 @@
 // Then t has Student's distribution with the reference's degrees of freedom, and the two-sided
 // p-values are corrected for their number after Sidak: with a correct renderer one test in a
 // hundred or less fails. Measured on Mitsuba's own images instead of satin's, 200 tests for each
-// scene: see docs/experiments.md.
+// scene: see docs/experiments/agreement.md.
 //
 // The mean over the image may differ by 0.3 % and 3.3 of its standard deviations (p = 0.001).
 // On failure z_test-NAME.exr in the working folder holds the image and its z.

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks that the documentation is true where a program can check it: commands in ```sh blocks use
 arguments, options and scripts that exist, ```xml scenes load, links lead to files and to headings
-of pages, and all statistics that the source names have a row in docs/formats.md.
+of pages, pages that comments name exist, and all statistics that the source names have a row in
+docs/formats.md.
 
 Usage: rules_docs.py TREE SATIN
 """
@@ -16,6 +17,7 @@ import sys
 import tempfile
 
 FOREIGN = {"meson", "ninja", "apt-get", "pip", "sed"}  # other projects' commands, not checked
+CODE = {".c", ".h", ".cpp", ".py", ".build"}
 
 
 @functools.lru_cache(maxsize=None)
@@ -129,6 +131,14 @@ class Checker:
                 if f"`{name}`" not in rows:
                     self.note(path, [f"says nothing of the statistic {name}"])
 
+    def comments(self):
+        for folder in ("include", "src", "tests", "bench"):
+            for path in sorted((self.tree / folder).rglob("*")):
+                if path.is_file() and path.suffix in CODE:
+                    for page in re.findall(r"docs/[\w/-]+\.md", path.read_text(encoding="utf-8")):
+                        if not (self.tree / page).is_file():
+                            self.note(path, [f"there is no page {page}"])
+
     def note(self, path, what):
         self.wrong += [f"{path.relative_to(self.tree)}: {w}" for w in what]
 
@@ -141,6 +151,7 @@ def main():
     for path in pages:
         checker.page(path)
     checker.statistics(tree / "docs/formats.md")
+    checker.comments()
     print("\n".join(checker.wrong))
     return 1 if checker.wrong else 0
 

@@ -8,7 +8,7 @@
 
 #include "stat_case.h"
 
-// Measured: at most .4 %, that of first pass `recursive` at rho .8 (docs/experiments.md).
+// Measured: at most .4 %, that of first pass `recursive` at rho .8 (docs/experiments/agreement.md).
 // Integrator `photons` is .6 % dark at rho .2.
 #define CIE_BOUND 0.005
 #define CIE_BOUND_LAST 0.015

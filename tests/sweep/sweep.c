@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Renders scenes x seeds x presets x first passes, small, and flags deviations: see cell.h, and
-// docs/experiments.md for how to read what it prints.
+// docs/experiments/sweep.md for how to read what it prints.
 //
 //     sweep [--seeds A:B] [--presets NAME,...] [--first NAME,...] [--size N] [--jobs N] [--limit S]
 //           [--threshold T] [--worst] [--out DIR] [-D NAME=VALUE] [--set NAME=VALUE] SCENE.xml ...

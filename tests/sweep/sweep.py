@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Renders many scenes under many seeds and flags deviations; see docs/experiments.md.
+"""Renders many scenes under many seeds and flags deviations; see docs/experiments/sweep.md.
 
     tests/sweep/sweep.py [--scenes] [--rooms FIRST:END] [--build DIR] [ARGUMENT ...] [SCENE.xml ...]
 
@@ -13,7 +13,7 @@ is `build` if not given); it may be repeated. All other arguments go to DIR/test
     --size N                   width and height in pixels, a multiple of 8 (64)
     --jobs N                   processes, of one thread each (1)
     --limit S                  seconds that a render may take, 0: any (300)
-    --threshold T              sigmas beyond which a block is flagged (see docs/experiments.md)
+    --threshold T              sigmas beyond which a block is flagged (6)
     --worst                    prints the largest score of every cell, flagged or not
     --out DIR                  keeps flagged images there, as EXR and PNG
     -D NAME=VALUE, --set NAME=VALUE    as those of `satin render`
