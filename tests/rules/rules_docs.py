@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that the documentation is true where a program can check it: commands in ```sh blocks use
-arguments, options and scripts that exist, ```xml scenes load, links lead to files and to headings
-of pages, pages that comments name exist, and all statistics that the source names have a row in
-docs/formats.md.
+"""Checks that the documentation is true where a program can check it: commands in ```sh blocks, and
+those of tables before a link, use arguments, options and scripts that exist, ```xml scenes load,
+links lead to files and to headings of pages, pages that comments name exist, and all statistics
+that the source names have a row in docs/formats.md.
 
 Usage: rules_docs.py TREE SATIN
 """
@@ -117,6 +117,8 @@ class Checker:
             elif kind == "sh":
                 for line in block.replace("\\\n", " ").splitlines():
                     self.note(path, self.command(line))
+        for line in re.findall(r"\| `([^`|]+)` \| \[[^|]*\|$", text, re.MULTILINE):
+            self.note(path, self.command(line))
         for link, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)\s]*))?[^)]*\)", text):
             if "://" not in link:
                 self.note(path, self.link(path, link, anchor))
