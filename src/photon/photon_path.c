@@ -102,7 +102,7 @@ static bool stores_photons(const struct satin_scene *scene, const struct interac
 }
 
 // The scene and what the paths of a chunk have in common.
-struct path_walk {
+struct photon_walk {
     const struct satin_scene *scene;
     unsigned lobes;  // that scatter
     int bounces;     // the last one that is stored; < 0: no limit
@@ -160,7 +160,7 @@ static bool draw_tilted(const struct path_surface *at, const float u[3], struct 
 }
 
 // Draws the scattered direction, in the frame, and its weight.
-static bool draw_scattered(const struct path_walk *walk, const struct path_surface *at,
+static bool draw_scattered(const struct photon_walk *walk, const struct path_surface *at,
                            struct brdf_sample *out) {
     const float u_lobe = rng_float(walk->rng), x = rng_float(walk->rng), y = rng_float(walk->rng);
     if (is_tilted(at, walk->lobes)) return draw_tilted(at, (float[]){u_lobe, x, y}, out);
@@ -176,14 +176,14 @@ static float factor_in(const struct path_surface *at) {
 
 // The number of photons into which one is split before it is scattered, so that those which go on
 // have the power with which the path began.
-static int split_count(const struct path_walk *walk, const struct path_surface *at,
+static int split_count(const struct photon_walk *walk, const struct path_surface *at,
                        const struct photon_path *photon) {
     const float power = rgb_max(photon->power) * fmaxf(factor_in(at), 1.0f);
     return power < 1.5f * walk->unit ? 1 : (int)fminf(rintf(power / walk->unit), SPLIT_MOST);
 }
 
 // Scatters the photon. False if it is absorbed, or refused because its power is not finite.
-static bool scatter(const struct path_walk *walk, const struct path_surface *at,
+static bool scatter(const struct photon_walk *walk, const struct path_surface *at,
                     struct photon_path *photon) {
     struct brdf_sample sample;
     if (!draw_scattered(walk, at, &sample)) return false;
@@ -209,7 +209,7 @@ static bool scatter(const struct path_walk *walk, const struct path_surface *at,
 }
 
 // Stores the photon where it hits. False if it ends there.
-static bool arrive(const struct path_walk *walk, struct photon_path *photon, int bounce,
+static bool arrive(const struct photon_walk *walk, struct photon_path *photon, int bounce,
                    struct path_surface *at, struct interaction *s) {
     if (!scene_intersect(walk->scene, &photon->ray, s)) {
         walk->chunk->power.escaped += luminous(photon);
@@ -228,7 +228,7 @@ static bool arrive(const struct path_walk *walk, struct photon_path *photon, int
     return false;
 }
 
-static void follow(const struct path_walk *walk, struct photon_path photon, int bounce) {
+static void follow(const struct photon_walk *walk, struct photon_path photon, int bounce) {
     const int most = walk->bounces < 0 ? BOUNCES_MAX : walk->bounces;
     for (; bounce <= most; bounce++) {
         struct interaction s;
@@ -254,7 +254,7 @@ static void follow(const struct path_walk *walk, struct photon_path photon, int 
 
 void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
                         struct photon_path photon, struct rng *rng, struct photon_chunk *chunk) {
-    const struct path_walk walk = {
+    const struct photon_walk walk = {
         scene, caustic ? BRDF_DELTA : BRDF_ALL, bounces, rgb_max(photon.power), rng, chunk};
     follow(&walk, photon, 0);
 }

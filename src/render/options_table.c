@@ -135,10 +135,11 @@ const struct option options_table[] = {
     {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
      "Interpolates diffuse indirect light between records. If off, every sample gathers."},
     {"irradiance-filter", OPTION_BOOL, AT(irradiance_filter), false, "off|on",
-     "Where no record is near, averages the irradiance that samples gather over pixels within the "
-     "least radius of a record (irradiance-min-pixels) and beyond by irradiance-widen, until they "
-     "have a quarter of irradiance-rays. It has no effect if the image is denoised, or if it would "
-     "take more than a tenth of a time limit."},
+     "Where no record is near, averages the irradiance that samples gather over the pixels "
+     "around, until they have half of irradiance-rays: over 3.75 % of the film's longer side, but "
+     "at most 32 pixels, and at least the radius at which the least records are read "
+     "(irradiance-min-pixels times irradiance-widen). It has no effect if the image is denoised, "
+     "or if it would take more than a tenth of a time limit."},
     {"irradiance-gradients", OPTION_CHOICE, AT(irradiance_gradients), false,
      "none|stratified|solid-angle|differences|ward-heckbert",
      "Translational gradients of irradiance records: none, from the light that crosses the "

@@ -41,7 +41,7 @@ static void presets_set_what_they_decide(void **state) {
     assert_int_equal(o.photon_k, 77);
     assert_int_equal(o.quality, SATIN_DRAFT);
     satin_options_preset(&o, SATIN_PRODUCTION);
-    assert_int_equal(o.photons, 1500000);
+    assert_int_equal(o.photons, 1200000);
     assert_int_equal(o.radiance_order, 14);
     assert_int_equal(options_quality_spp(SATIN_DRAFT), 9);
 }
@@ -66,7 +66,7 @@ static void presets_fill_zeroed_structs(void **state) {
     assert_int_equal(some.max_depth, 3);
     assert_true(some.seed == UINT64_MAX && some.leak_test);
     assert_int_equal(some.hide_emitters, -1);
-    assert_int_equal(some.photons, 1500000);
+    assert_int_equal(some.photons, 1200000);
 }
 
 // Every default and preset is inside its own range: its text parses to the same value.

@@ -38,13 +38,14 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     // Samples that fit are more than those of the preset, so each has fewer gather rays; with
     // little time they are fewer than those of draft, so each has fewer light samples, and
     // finer rounds of records follow coarser ones. A long limit has time for more photons than the
-    // preset, whose time goes to its samples.
+    // preset, whose time goes to its samples, and more records of fewer rays.
     draft.glossy_samples = production.glossy_samples = 2;
     draft.light_samples = 2;
     draft.radiance_a = 0.4f;
     production.light_samples = 4;
     production.photons = 2500000;
     production.caustic_photons = 4000000;
+    production.irradiance_rays = 2000;
     assert_memory_equal(&least, &draft, sizeof least);
     assert_memory_equal(&last, &production, sizeof last);
 }
@@ -57,7 +58,7 @@ static void many_cores_ask_for_more(void **state) {
     const double pixels = 2.0 * 10.0 / 4.5e-4;
     options_quality_seconds(&two, 2.0 * 10.0, pixels);
     options_quality_seconds(&many, 64.0 * 10.0, pixels);
-    assert_int_equal(two.irradiance_rays, options_quality_make(SATIN_PRODUCTION).irradiance_rays);
+    assert_int_equal(two.irradiance_rays, 2000);
     assert_true(2 * many.irradiance_rays > 3 * two.irradiance_rays);
     assert_true(2 * many.radiance_rays > 3 * two.radiance_rays);
     assert_true(many.photons > 2 * two.photons && many.caustic_photons > 2 * two.caustic_photons);

@@ -238,7 +238,7 @@ static void tilted_normals_scatter_equal_photons(void **state) {
         const double expected = (double)albedo * factor * (1.0 + cos((double)b)) / 2.0;
         print_message("%.1f rad: %.4f of the power, %.4f expected; at most %.2f times a photon\n",
                       (double)a, sum, expected, most);
-        // Of 2^16 photons and more, five deviations; the beam is .0014 rad wide.
+        // Five deviations of 2^16 photons; the beam is .0014 rad wide.
         assert_true(fabs(sum / expected - 1.0) < 0.02);
         assert_true(most < 1.51);
         for (int k = 0; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
