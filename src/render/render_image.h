@@ -24,6 +24,7 @@ struct image_pixel {
 // Sums over the samples of a pixel that gather because no record is near.
 struct image_gathered {
     rgb light, albedo;  // of struct shade_gathered, weighted
+    float most;         // luminance of the light of the brightest sample
     vec3 n;
     float rays;
     vec3 p;  // of the first of them, as `pixel`

@@ -11,6 +11,7 @@
 #include "blocks.h"
 #include "evaluate.h"
 #include "explain.h"
+#include "render/options_quality.h"
 
 // The largest deviation of the beauty from the sum of its layers, over the largest of them:
 // rounding of float sums over the samples of a pixel.
@@ -52,8 +53,7 @@ static bool ends_with(const char *text, size_t length, const char *end) {
 }
 
 int cell_spp(const satin_options *options) {
-    static const int preset_spp[] = {9, 16, 36};
-    return options->spp ? options->spp : preset_spp[options->quality];
+    return options->spp ? options->spp : options_quality_spp(options->quality);
 }
 
 // Goes through `"name": number` pairs: the counts of refused and dropped values must be 0, and the

@@ -158,6 +158,28 @@ static void many_rays_suffice(void **state) {
     }
 }
 
+// A sample a thousand times as bright as the others, which have enough rays with few pixels: it is
+// averaged with more of them, so its pixel is no dot.
+static void bright_samples_are_averaged_more(void **state) {
+    (void)state;
+    const float rays = satin_options_default.irradiance_rays / 16.0f;
+    render_irradiance_image(one_wall, rays);
+    const int x = SIDE / 2;
+    const double before = render_irradiance_at(&satin_options_default, x, x);
+    const struct wall bright = {one_wall(x, x).p, one_wall(x, x).n, 1000.0f};
+    const rgb albedo = albedo_of(x, x);
+    const struct shade_sample s = {
+        .weight = 1.0f,
+        .gathered = {rgb_scale(albedo, bright.E), albedo, bright.p, bright.n, PIXEL, rays}};
+    render_irradiance_gathered(&gathered[x * SIDE + x], &s);
+    const double after = render_irradiance_at(&satin_options_default, x, x);
+    gathered[x * SIDE + x].most = 0.0f;
+    const double unaware = render_irradiance_at(&satin_options_default, x, x);
+    print_message("%.2f, with a bright sample %.2f, and %.2f if it counts as any other\n", before,
+                  after, unaware);
+    assert_true(after < 0.75 * unaware);
+}
+
 static void pixels_with_records_stay(void **state) {
     (void)state;
     render_irradiance_image(one_wall, 1.0f);
@@ -178,9 +200,11 @@ static void denoised_images_have_no_filter(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(neighbours_are_averaged), cmocka_unit_test(other_surfaces_are_not),
-        cmocka_unit_test(many_rays_suffice), cmocka_unit_test(pixels_with_records_stay),
-        cmocka_unit_test(denoised_images_have_no_filter)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(neighbours_are_averaged),
+                                       cmocka_unit_test(other_surfaces_are_not),
+                                       cmocka_unit_test(many_rays_suffice),
+                                       cmocka_unit_test(bright_samples_are_averaged_more),
+                                       cmocka_unit_test(pixels_with_records_stay),
+                                       cmocka_unit_test(denoised_images_have_no_filter)};
     return cmocka_run_group_tests(tests, render_irradiance_setup, render_irradiance_teardown);
 }
