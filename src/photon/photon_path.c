@@ -124,7 +124,8 @@ static double luminous(const struct photon_path *photon) {
 }
 
 // Whether directions are drawn about the surface's normal too: where a photon meets a smooth lobe
-// about another normal. Of the side behind, light that is transmitted has the shading normal's.
+// about another normal. What transmits is left out, as half of its directions are on the other
+// side.
 static bool is_tilted(const struct path_surface *at, unsigned lobes) {
     return lobes == BRDF_ALL && fabsf(v3_dot(at->frame.n, at->n)) < TILTED_COSINE &&
            brdf_lobes(&at->brdf) & BRDF_SMOOTH && !brdf_transmits(&at->brdf);
