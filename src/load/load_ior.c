@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Named indices of refraction of dielectrics, and of metals in linear sRGB. The numbers are those
 // that Mitsuba 3.9 uses under these names in its RGB mode, read from its parameters.
+#include <stdio.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -81,6 +82,14 @@ bool load_ior_find(const char *name, float *ior) {
 const char *load_ior_name(int index) {
     int count = (int)(sizeof dielectrics / sizeof *dielectrics) - 1;
     return index < count ? dielectrics[index].name : NULL;
+}
+
+const char *load_names_list(const char *(*name)(int), char *out, size_t size) {
+    size_t n = 0;
+    out[0] = 0;
+    for (int i = 0; name(i) && n < size; i++)
+        n += (size_t)snprintf(out + n, size - n, "%s%s", i ? ", " : "", name(i));
+    return out;
 }
 
 static const struct metal *find_metal(const char *name, size_t length) {

@@ -162,7 +162,7 @@ satin_status load_ply_header_read(const struct load_source *source, struct mesh_
     struct ply_header header = {0};
     struct words words = read_line(text);
     if (words.count != 1 || !word_is(&words, 0, "ply"))
-        return load_mesh_error(source, 0, "it is not a PLY file");
+        return load_mesh_error(source, 0, "it is not a PLY file: its first line is not 'ply'");
     bool format = false;
     for (;;) {
         if (text->at == text->end)

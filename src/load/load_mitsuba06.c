@@ -52,7 +52,9 @@ static const char *plugin_name(const struct xml_node *node) {
     static const struct pair films[] = {{"ldrfilm", "hdrfilm"}, {NULL, NULL}};
     static const struct pair samplers[] = {
         {"halton", "ldsampler"}, {"hammersley", "ldsampler"}, {"sobol", "ldsampler"}, {NULL, NULL}};
+    static const struct pair bsdfs[] = {{"bump", "bumpmap"}, {NULL, NULL}};
     if (node->tag == XML_FILM) return map_name(films, node->type);
+    if (node->tag == XML_BSDF) return map_name(bsdfs, node->type);
     return node->tag == XML_SAMPLER ? map_name(samplers, node->type) : node->type;
 }
 
@@ -187,6 +189,13 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
     if (is_element(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0) {
         log_error_at(log, node->place, "gamma is '%s', but must be 1, 2.2 or -1", text ? text : "");
         return SATIN_ERROR_INPUT;
+    }
+    static const struct pair facets[] = {{"phong", "beckmann"}, {"as", "beckmann"}, {NULL, NULL}};
+    if (is_element(parent, XML_BSDF, NULL) && strcmp(node->name, "distribution") == 0 && text &&
+        map_name(facets, text) != text) {
+        log_warning_at(log, node->place,
+                       "the distribution '%s' is read as 'beckmann', whose facets are alike", text);
+        return set_attribute(arena, node, "value", "beckmann");
     }
     static const struct pair filters[] = {
         {"trilinear", "bilinear"}, {"ewa", "bilinear"}, {NULL, NULL}};

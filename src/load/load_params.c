@@ -60,6 +60,23 @@ static satin_status unknown_parameter(struct log log, const struct plugin_spec *
     return SATIN_OK;
 }
 
+// Logs that an object stands where it cannot.
+static void misplaced_object(struct log log, const struct plugin_spec *plugin,
+                             const struct xml_node *child, enum xml_tag tag) {
+    static const char *const home[XML_TAG_COUNT] = {
+        [XML_BSDF] = "<shape>",   [XML_EMITTER] = "<shape> or <scene>", [XML_FILM] = "<sensor>",
+        [XML_RFILTER] = "<film>", [XML_SAMPLER] = "<sensor>",           [XML_SENSOR] = "<scene>",
+        [XML_SHAPE] = "<scene>",  [XML_INTEGRATOR] = "<scene>"};
+    char parent[128];
+    snprintf(parent, sizeof parent, plugin->tag == XML_SCENE ? "<scene>" : "%s '%.99s'",
+             load_plugin_noun(plugin->tag), plugin->name);
+    log_error_at(log, child->place, "%s takes no <%s>%s%s", parent, load_xml_tag_name(tag),
+                 tag == XML_TEXTURE ? " without a name"
+                 : home[tag]        ? "; its place is "
+                                    : "",
+                 home[tag] ? home[tag] : "");
+}
+
 // Reads a child that is an object: a texture for a parameter, or another object that the plugin
 // takes.
 static satin_status read_object(struct log log, struct params *out, const struct xml_node *child,
@@ -83,9 +100,7 @@ static satin_status read_object(struct log log, struct params *out, const struct
     else if (target->tag == XML_TEXTURE && child->name)
         return unknown_parameter(log, plugin, child);
     else
-        log_error_at(log, child->place, "%s '%s' takes no <%s>%s", load_plugin_noun(plugin->tag),
-                     plugin->name, load_xml_tag_name(target->tag),
-                     target->tag == XML_TEXTURE ? " without a name" : "");
+        misplaced_object(log, plugin, child, target->tag);
     return SATIN_ERROR_INPUT;
 }
 
@@ -144,6 +159,12 @@ satin_status load_params_read(struct param_source source, const struct plugin_sp
     for (struct xml_node *child = node->child; child; child = child->next) {
         struct xml_node *target = load_xml_target(source.xml, source.log, child);
         if (!target) return SATIN_ERROR_INPUT;
+        if (target->tag == XML_UNREAD) {
+            log_warning_at(source.log, child->place,
+                           "'%s' is a <%s>, which is not supported: the image is without it",
+                           target->id, target->type);
+            continue;
+        }
         // A colour that is only defined for references.
         if (plugin->tag == XML_SCENE && target->id && !load_xml_is_object(target->tag)) continue;
         satin_status status = load_xml_is_object(target->tag)

@@ -67,6 +67,7 @@ struct param_value {
 
 struct load_state;
 struct params;
+struct text_nearest;
 
 // Builds the object that an element describes. `object` is, by element: <bsdf> struct
 // material_side, <shape> struct shape, <emitter> struct light, <texture> struct texture, <sensor>
@@ -127,6 +128,11 @@ int load_param_words(const char *text);
 // they are an error.
 bool load_param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out);
 
+// Logs that nearest->word, the value of the parameter `name`, is none of those in `list`, of which
+// the nearest is named if it is near: SATIN_ERROR_INPUT.
+satin_status load_value_unknown(struct log log, const char *name, struct log_place place,
+                                const struct text_nearest *nearest, const char *list);
+
 // Reads the value of a parameter from an element, or its default.
 satin_status load_param_read(struct param_source source, const struct param_spec *spec,
                              struct xml_node *node, struct param_value *value);
@@ -135,6 +141,11 @@ satin_status load_param_read_default(struct log log, const struct param_spec *sp
 
 // The product of the steps of a <transform> (load_transform.c).
 satin_status load_transform(struct log log, const struct xml_node *node, struct mat4 *out);
+// Whether m maps spheres to spheres, to one part in a thousand.
+bool load_transform_similar(const struct mat4 *m);
+// The rotation, mirrored if m mirrors, under which the y axis and the plane of x and y are where m
+// has them, and the translation of m. m is not singular.
+struct mat4 load_transform_unstretched(const struct mat4 *m);
 // A colour from <rgb>, <spectrum> or <float> (load_color.c).
 satin_status load_color(struct param_source source, struct xml_node *node, bool light, rgb *out);
 // Whether this is a type of <spectrum> (load_plugins_spectrum.c).
@@ -165,5 +176,7 @@ bool load_ior_find(const char *name, float *ior);
 const char *load_ior_name(int index);
 bool load_metal_find(const char *name, rgb *eta, rgb *k);
 const char *load_metal_name(int index);
+// Writes the names, separated by commas, and returns `out`. Those that do not fit are cut off.
+const char *load_names_list(const char *(*name)(int), char *out, size_t size);
 
 #endif

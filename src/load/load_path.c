@@ -56,6 +56,8 @@ char *load_path_any_case(const char *path) {
     if (access(path, F_OK) == 0) return NULL;
     char *out = strdup(path);
     bool found = out != NULL;
+    for (char *at = out; found && *at; at++)
+        if (*at == '\\') *at = '/';
     for (size_t start = 0; found && out[start];) {
         const size_t length = strcspn(out + start, "/");
         const char after = out[start + length];

@@ -27,23 +27,12 @@ struct unread_kind {
 
 static const char *const unread_shapes[] = {
     "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "heightfield", "hair", "mesh", NULL};
-static const char *const unread_bsdfs[] = {"measured",
-                                           "hair",
-                                           "pplastic",
-                                           "polarizer",
-                                           "retarder",
-                                           "circular",
-                                           "measured_polarized",
-                                           "mixturebsdf",
-                                           "coating",
-                                           "roughcoating",
-                                           "difftrans",
-                                           "hk",
-                                           "irawan",
-                                           NULL};
+static const char *const unread_bsdfs[] = {
+    "measured",           "hair",    "pplastic",     "polarizer", "retarder", "circular",
+    "measured_polarized", "coating", "roughcoating", "hk",        "irawan",   NULL};
 static const char *const unread_textures[] = {"volume",    "volumeadapter", "vertexcolors",
                                               "wireframe", "curvature",     NULL};
-static const char *const unread_emitters[] = {"timed_sunsky", "volumelight", NULL};
+static const char *const unread_emitters[] = {"timed_sunsky", "volumelight", "collimated", NULL};
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
@@ -128,7 +117,8 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
                        plain);
         return find_named(node, plain);
     } else {
-        log_error_at(log, node->place, "unknown %s '%s'", noun, node->type);
+        log_error_at(log, node->place, "unknown %s '%s' (`satin help plugins` lists all)", noun,
+                     node->type);
     }
     return NULL;
 }

@@ -286,14 +286,11 @@ static satin_status set_metal(struct load_state *loader, const struct params *p,
         return SATIN_ERROR_INPUT;
     }
     if (load_metal_find(material->s, &side->base.eta, &side->base.k)) return SATIN_OK;
+    char list[512];
     struct text_nearest nearest = {.word = material->s};
     for (int i = 0; load_metal_name(i); i++) text_nearest_try(&nearest, load_metal_name(i));
-    if (nearest.best)
-        log_error_at(loader->log, material->place, "unknown metal '%s' (did you mean '%s'?)",
-                     material->s, nearest.best);
-    else
-        log_error_at(loader->log, material->place, "unknown metal '%s'", material->s);
-    return SATIN_ERROR_INPUT;
+    return load_value_unknown(loader->log, "material", material->place, &nearest,
+                              load_names_list(load_metal_name, list, sizeof list));
 }
 
 bool load_bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name,
@@ -476,10 +473,14 @@ const struct plugin_spec load_bsdf_plugins[] = {
      bsdf_principled_params, 0, load_bsdf_principled_build, false},
     {XML_BSDF, "principledthin", "the principled BRDF of a thin sheet", bsdf_principledthin_params,
      0, load_bsdf_principledthin_build, false},
+    {XML_BSDF, "difftrans", "diffuse transmission, as in Mitsuba 0.6", bsdf_difftrans_params, 0,
+     load_bsdf_difftrans_build, false},
     {XML_BSDF, "twosided", "one BRDF for both sides, or two for front and back", NULL,
      1u << XML_BSDF, NULL, false},
     {XML_BSDF, "blendbsdf", "a weighted mean of two BRDFs", blend_params, 1u << XML_BSDF, NULL,
      false},
+    {XML_BSDF, "mixturebsdf", "a weighted sum of BRDFs, as in Mitsuba 0.6", bsdf_mixture_params,
+     1u << XML_BSDF, NULL, false},
     {XML_BSDF, "mask", "a BRDF with holes", mask_params, 1u << XML_BSDF, NULL, false},
     {XML_BSDF, "bumpmap", "a BRDF whose normal follows a height map, the <texture> inside",
      bump_params, 1u << XML_BSDF | 1u << XML_TEXTURE, NULL, false},

@@ -24,11 +24,16 @@ satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct 
                                         struct material_side *side);
 
 // load_plugins_principled.c
-extern param_list bsdf_principled_params, bsdf_principledthin_params;
+extern param_list bsdf_principled_params, bsdf_principledthin_params, bsdf_difftrans_params;
 satin_status load_bsdf_principled_build(struct load_state *loader, const struct params *p,
                                         void *object);
 satin_status load_bsdf_principledthin_build(struct load_state *loader, const struct params *p,
                                             void *object);
+satin_status load_bsdf_difftrans_build(struct load_state *loader, const struct params *p,
+                                       void *object);
+
+// load_plugins_material.c
+extern param_list bsdf_mixture_params;
 
 // load_plugins_measured.c
 extern param_list bsdf_lafortune_params, bsdf_measured_params;

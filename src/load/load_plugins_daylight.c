@@ -98,10 +98,7 @@ static vec3 sun_of_date(const struct params *p, bool z_up) {
 static satin_status set_transform(struct load_state *loader, const struct params *p, bool z_up,
                                   struct light *light) {
     const struct mat4 stand = z_up ? mat4_rotate(v3(1.0f, 0.0f, 0.0f), 90.0f) : mat4_identity();
-    light->to_world = mat4_mul(&load_param(p, "to_world")->m, &stand);
-    if (!mat4_inverse(&light->to_world, &light->to_local))
-        return load_refuse(loader, p, "to_world is singular");
-    return SATIN_OK;
+    return load_light_orient(loader, p, mat4_mul(&load_param(p, "to_world")->m, &stand), light);
 }
 
 // Sets direction, size and radiance of the sun.
@@ -116,6 +113,16 @@ static satin_status set_sun(struct load_state *loader, const struct params *p,
     light->sun_chord = 2.0f * sinf(0.25f * aperture);
     const float shrink = sqrf(2.0f * sinf(0.25f * natural) / light->sun_chord);
     light->sun_value = rgb_scale(light_sky_sun(sky), factor * shrink);
+    return SATIN_OK;
+}
+
+// Makes the light black, as Mitsuba does when the sun has set. The model knows no twilight.
+static satin_status set_night(struct load_state *loader, const struct params *p,
+                              struct light *light) {
+    log_warning_at(loader->log, p->node->place,
+                   "emitter '%s': its sun is below the horizon, so it gives no light",
+                   p->plugin->name);
+    light->value = rgb_grey(0.0f);
     return SATIN_OK;
 }
 
@@ -139,8 +146,9 @@ static satin_status build_daylight(struct load_state *loader, const struct param
         .sun = v3_unit(mat4_vector(&light->to_local, light->sun))};
     if (!(sky.turbidity >= SKY_TURBIDITY_MIN && sky.turbidity <= SKY_TURBIDITY_MAX))
         return load_refuse(loader, p, "its turbidity is not in [1, 10]");
-    if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
-        return load_refuse(loader, p, "its sun is below the horizon");
+    if (!(v3_len2(sky.sun) > 0.5f))
+        return load_refuse(loader, p, "its sun_direction is zero, too small or too large");
+    if (sky.sun.y < 0.0f) return set_night(loader, p, light);
     status = set_sun(loader, p, &sky, all * has_sun * load_param(p, "sun_scale")->f, light);
     if (status != SATIN_OK) return status;
     struct image *image = arena_alloc(&loader->scene->arena, sizeof *image);

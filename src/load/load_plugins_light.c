@@ -2,6 +2,7 @@
 // <emitter>: area lights of shapes, point, spot and directional lights, environments. Units and
 // defaults are Mitsuba 3's. Black lights are left out.
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "load/load_state.h"
@@ -269,18 +270,46 @@ static satin_status build_constant_light(struct load_state *loader, const struct
     return SATIN_OK;
 }
 
+satin_status load_light_orient(struct load_state *loader, const struct params *p,
+                               struct mat4 to_world, struct light *light) {
+    light->to_world = to_world;
+    if (mat4_inverse(&to_world, &light->to_local) && !load_transform_similar(&to_world)) {
+        log_warning_at(loader->log, p->node->place,
+                       "emitter '%s': to_world stretches or shears it; only its rotation is used",
+                       p->plugin->name);
+        light->to_world = load_transform_unstretched(&to_world);
+    }
+    if (mat4_inverse(&light->to_world, &light->to_local)) return SATIN_OK;
+    return load_refuse(loader, p, "to_world is singular");
+}
+
+// Mitsuba needs three rows: it repeats the last of two.
+static satin_status repeat_row(struct load_state *loader, const struct image **image) {
+    const struct image *from = *image;
+    if (from->height != 2) return SATIN_OK;
+    const size_t row = (size_t)from->width * (size_t)from->channels;
+    struct image *copy = arena_alloc(&loader->scene->arena, sizeof *copy);
+    float *texel = arena_array(&loader->scene->arena, 3 * row, sizeof *texel);
+    if (!copy || !texel) return load_no_memory(loader);
+    memcpy(texel, from->texel, 2 * row * sizeof *texel);
+    memcpy(texel + 2 * row, from->texel + row, row * sizeof *texel);
+    *copy = (struct image){from->width, 3, from->channels, texel};
+    *image = copy;
+    return SATIN_OK;
+}
+
 static satin_status build_envmap(struct load_state *loader, const struct params *p, void *object) {
     struct light *light = object;
     light->kind = LIGHT_ENVMAP;
     light->value = rgb_grey(load_param(p, "scale")->f);
-    satin_status status = set_light_position(loader, p, light);
+    satin_status status = load_light_orient(loader, p, load_param(p, "to_world")->m, light);
     if (status != SATIN_OK) return status;
     struct load_source source;
     status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
     status = load_image(&source, false, &light->image);
     free((char *)source.path);
-    return status;
+    return status == SATIN_OK ? repeat_row(loader, &light->image) : status;
 }
 
 const struct plugin_spec load_emitter_plugins[] = {

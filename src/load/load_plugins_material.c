@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/array.h"
-#include "load/load_state.h"
+#include "load/load_plugins_bsdf.h"
 
 enum { BSDF_DEPTH_MAX = 32 };  // of nested <bsdf>s; a deeper nesting is a reference to itself
 
@@ -28,9 +28,22 @@ static satin_status build_nested(struct load_state *loader, const struct params 
     *count = n;
     if (n >= least && !child) return SATIN_OK;
     return material_error(loader, p,
-                          least < most ? "takes one or two <bsdf>s"
-                          : most == 1  ? "takes one <bsdf>"
-                                       : "takes two <bsdf>s");
+                          most > 2       ? "takes 1 to 16 <bsdf>s"
+                          : least < most ? "takes one or two <bsdf>s"
+                          : most == 1    ? "takes one <bsdf>"
+                                         : "takes two <bsdf>s");
+}
+
+// The material of a shape without a <bsdf>. If the shape emits light, it is black, as in Mitsuba.
+static satin_status default_material(struct load_state *loader, bool emits, struct material *out) {
+    *out = (struct material){.name = emits ? "black" : "default"};
+    out->front.index = loader->scene->side_count++;
+    out->front.base.model = brdf_find("diffuse");
+    out->front.base.diffuse = rgb_grey(emits ? 0.0f : 0.5f);
+    if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
+        return load_no_memory(loader);
+    out->back = out->front;
+    return SATIN_OK;
 }
 
 // ---- Trees of sides -----------------------------------------------------------------------------
@@ -143,15 +156,11 @@ static satin_status join_sides(struct load_state *loader, const struct params *p
     return weight->texture ? change_leaves(loader, p, out, make_pointwise, NULL) : SATIN_OK;
 }
 
-static satin_status build_blend(struct load_state *loader, const struct params *p,
-                                struct material *out) {
-    struct material component[2];
-    struct blend_weight_value weight;
-    int count;
-    satin_status status = build_nested(loader, p, 2, 2, component, &count);
-    if (status == SATIN_OK)
-        status = find_weight(loader, load_param(p, "weight"), load_param(p, "weight")->f, &weight);
-    if (status != SATIN_OK) return status;
+// Blends two materials, which may get a back. `out` may be one of them.
+static satin_status blend_two(struct load_state *loader, const struct params *p,
+                              struct material component[2], const struct blend_weight_value *weight,
+                              struct material *out) {
+    satin_status status = SATIN_OK;
     out->two_sided = component[0].two_sided || component[1].two_sided;
     out->tangent = component[0].tangent || component[1].tangent;
     for (int i = 0; i < 2 && out->two_sided && status == SATIN_OK; i++) {
@@ -161,11 +170,87 @@ static satin_status build_blend(struct load_state *loader, const struct params *
     }
     if (status == SATIN_OK)
         status =
-            join_sides(loader, p, &component[0].front, &component[1].front, &weight, &out->front);
+            join_sides(loader, p, &component[0].front, &component[1].front, weight, &out->front);
     if (status != SATIN_OK) return status;
     out->back = out->front;
     if (!out->two_sided) return SATIN_OK;
-    return join_sides(loader, p, &component[0].back, &component[1].back, &weight, &out->back);
+    return join_sides(loader, p, &component[0].back, &component[1].back, weight, &out->back);
+}
+
+static satin_status build_blend(struct load_state *loader, const struct params *p,
+                                struct material *out) {
+    struct material component[2];
+    struct blend_weight_value weight;
+    int count;
+    satin_status status = build_nested(loader, p, 2, 2, component, &count);
+    if (status == SATIN_OK)
+        status = find_weight(loader, load_param(p, "weight"), load_param(p, "weight")->f, &weight);
+    return status == SATIN_OK ? blend_two(loader, p, component, &weight, out) : status;
+}
+
+// ---- mixturebsdf --------------------------------------------------------------------------------
+
+static const struct param_spec mixture_weights = {"weights",
+                                                  PARAM_STRING,
+                                                  NULL,
+                                                  0,
+                                                  PARAM_REQUIRED,
+                                                  NULL,
+                                                  "A list of one weight for each BRDF. If they sum "
+                                                  "to less than 1, the rest is black; if to more, "
+                                                  "they are divided by their sum."};
+param_list bsdf_mixture_params = {&mixture_weights, NULL};
+
+// Reads the weights of `count` BRDFs, and returns their sum, or a negative number if they are
+// wrong.
+static double read_weights(struct load_state *loader, const struct params *p, int count,
+                           double *weight) {
+    const struct param_value *text = load_param(p, "weights");
+    double sum = 0.0;
+    if (load_param_words(text->s) != count) {
+        log_error_at(loader->log, text->place, "mixturebsdf has %d <bsdf>s, but %d weights", count,
+                     load_param_words(text->s));
+        return -1.0;
+    }
+    if (!load_param_numbers(loader->log, text->place, text->s, count, weight)) return -1.0;
+    for (int i = 0; i < count; i++) {
+        sum += weight[i];
+        if (weight[i] >= 0.0 && weight[i] <= 1e6) continue;
+        log_error_at(loader->log, text->place, "a weight is %g, but must be 0 to 1e6", weight[i]);
+        return -1.0;
+    }
+    return sum;
+}
+
+// Builds a mixture of version 0.6 as blends of each BRDF with those before it. Of weights that sum
+// to less than 1, the rest is black; larger ones are divided by their sum.
+static satin_status build_mixture(struct load_state *loader, const struct params *p,
+                                  struct material *out) {
+    struct material component[MATERIAL_COMPONENTS_MAX], both[2];
+    double weight[MATERIAL_COMPONENTS_MAX], sum = 0.0;
+    int count;
+    satin_status status = build_nested(loader, p, 1, MATERIAL_COMPONENTS_MAX, component, &count);
+    if (status != SATIN_OK) return status;
+    const double all = read_weights(loader, p, count, weight);
+    if (all < 0.0) return SATIN_ERROR_INPUT;
+    if (all > 1.0 + 1e-5)
+        log_warning_at(loader->log, p->node->place,
+                       "mixturebsdf: the weights sum to %g; they are divided by that", all);
+    *out = component[0];
+    for (int i = 0; i < count && status == SATIN_OK; i++) {
+        sum += weight[i];
+        const float of_next = sum > 0.0 ? (float)(weight[i] / sum) : 0.0f;
+        if (i == 0) continue;
+        both[0] = *out;
+        both[1] = component[i];
+        status = blend_two(loader, p, both, &(struct blend_weight_value){.value = of_next}, out);
+    }
+    if (status != SATIN_OK || all > 1.0 - 1e-5) return status;
+    both[0] = *out;
+    status = default_material(loader, true, &both[1]);
+    if (status != SATIN_OK) return status;
+    return blend_two(loader, p, both, &(struct blend_weight_value){.value = (float)(1.0 - all)},
+                     out);
 }
 
 // ---- mask ---------------------------------------------------------------------------------------
@@ -204,6 +289,16 @@ static satin_status set_bump(struct load_state *loader, const struct params *p,
     return SATIN_OK;
 }
 
+// A colour instead of a normal map: one normal everywhere.
+static satin_status constant_normal(struct load_state *loader, rgb value,
+                                    const struct texture **out) {
+    struct texture *texture = arena_alloc(&loader->scene->arena, sizeof *texture);
+    if (!texture) return load_no_memory(loader);
+    *texture = (struct texture){.kind = TEXTURE_CONSTANT, .value = value, .mean = value};
+    *out = texture;
+    return SATIN_OK;
+}
+
 static satin_status build_bump_or_normal(struct load_state *loader, const struct params *p,
                                          bool heights, struct material *out) {
     struct material_bump bump = {.outside = true,
@@ -212,11 +307,13 @@ static satin_status build_bump_or_normal(struct load_state *loader, const struct
     struct xml_node *at = NULL,
                     *map = heights ? load_params_child(&loader->xml, p->node, XML_TEXTURE, &at)
                                    : load_param(p, "normalmap")->texture;
-    if (!map) return material_error(loader, p, "needs a <texture>");
+    if (!map && heights) return material_error(loader, p, "needs a <texture>");
     if (heights && load_params_child(&loader->xml, p->node, XML_TEXTURE, &at))
         return material_error(loader, p, "takes one <texture>");
     if (heights) bump.scale = load_param(p, "scale")->f;
-    satin_status status = load_texture_of(loader, map, heights ? &bump.height : &bump.normal);
+    satin_status status =
+        map ? load_texture_of(loader, map, heights ? &bump.height : &bump.normal)
+            : constant_normal(loader, load_param(p, "normalmap")->color, &bump.normal);
     if (status == SATIN_OK && heights &&
         scene_texture_unscaled(bump.height)->kind == TEXTURE_ATTRIBUTE)
         return material_error(loader, p, "cannot take heights from a mesh attribute");
@@ -254,6 +351,7 @@ static satin_status build_any(struct load_state *loader, const struct params *p,
     if (p->plugin->build) return build_plain(loader, p, out);
     if (strcmp(name, "twosided") == 0) return build_twosided(loader, p, out);
     if (strcmp(name, "blendbsdf") == 0) return build_blend(loader, p, out);
+    if (strcmp(name, "mixturebsdf") == 0) return build_mixture(loader, p, out);
     if (strcmp(name, "mask") == 0) return build_mask(loader, p, out);
     return build_bump_or_normal(loader, p, strcmp(name, "bumpmap") == 0, out);
 }
@@ -262,18 +360,6 @@ static void find_filtered(void *ctx, const struct material_side *side) {
     bool *found = ctx;
     for (int i = 0; i < BRDF_SLOT_NUMBERS; i++)
         *found = *found || (side->slot[i] && side->slot[i]->filtered);
-}
-
-// The material of a shape without a <bsdf>. If the shape emits light, it is black, as in Mitsuba.
-static satin_status default_material(struct load_state *loader, bool emits, struct material *out) {
-    *out = (struct material){.name = emits ? "black" : "default"};
-    out->front.index = loader->scene->side_count++;
-    out->front.base.model = brdf_find("diffuse");
-    out->front.base.diffuse = rgb_grey(emits ? 0.0f : 0.5f);
-    if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
-        return load_no_memory(loader);
-    out->back = out->front;
-    return SATIN_OK;
 }
 
 // Builds a replacement for an unknown BRDF: the BRDF that it contains, or a grey diffuse one.
@@ -286,8 +372,8 @@ static satin_status build_stand_in(struct load_state *loader, struct xml_node *n
         return status;
     }
     if (loader->bsdf_depth == BSDF_DEPTH_MAX) {
-        log_error_at(loader->log, node->place, "BRDF '%s' is nested too deep, or in itself",
-                     node->type);
+        log_error_at(loader->log, node->place,
+                     "BRDF '%s' contains itself, or over 32 BRDFs in each other", node->type);
         return SATIN_ERROR_INPUT;
     }
     loader->bsdf_depth++;
@@ -306,7 +392,7 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
     if (status != SATIN_OK) return status;
     if (load_file_missing(loader, &p, "the BRDF is grey")) return build_stand_in(loader, node, out);
     if (loader->bsdf_depth == BSDF_DEPTH_MAX)
-        return material_error(loader, &p, "is nested too deep, or in itself");
+        return material_error(loader, &p, "contains itself, or over 32 BRDFs in each other");
     loader->bsdf_depth++;
     status = build_any(loader, &p, out);
     loader->bsdf_depth--;

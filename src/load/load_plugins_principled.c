@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// <bsdf type="principled"> and "principledthin": parameters and defaults of Mitsuba 3.
+// <bsdf type="principled"> and "principledthin": parameters and defaults of Mitsuba 3. "difftrans"
+// of Mitsuba 0.6 is a special case.
 #include <string.h>
 
 #include "load/load_plugins_bsdf.h"
@@ -84,6 +85,16 @@ param_list bsdf_principledthin_params = {
     &base_color, &roughness,  &anisotropic, &spec_trans, &thin_eta, &spec_tint, &sheen, &sheen_tint,
     &flatness,   &diff_trans, &rate[2],     &rate[3],    &rate[4],  &rate[5],   NULL};
 
+static const struct param_spec diffuse_transmittance = {
+    "transmittance",
+    PARAM_COLOR,
+    ".5",
+    RANGE_UNIT,
+    PARAM_TEXTURE,
+    NULL,
+    "The fraction of the light that is transmitted; none is reflected."};
+param_list bsdf_difftrans_params = {&diffuse_transmittance, NULL};
+
 // The reflectance at normal incidence is .08 times `specular`, which would be 1 at 12.5.
 #define PRINCIPLED_SPECULAR_MAX 12.0f
 
@@ -159,4 +170,16 @@ satin_status load_bsdf_principledthin_build(struct load_state *loader, const str
     if (side->base.diff_trans <= 2.0f) return SATIN_OK;
     log_error_at(loader->log, passes->place, "diff_trans is over 2");
     return SATIN_ERROR_INPUT;
+}
+
+// The diffuse transmission of `principledthin` alone.
+satin_status load_bsdf_difftrans_build(struct load_state *loader, const struct params *p,
+                                       void *object) {
+    struct material_side *side = object;
+    side->base.model = brdf_find("principledthin");
+    side->base.specular = side->base.transmittance = rgb_grey(1.0f);
+    side->base.ior = 1.5f;
+    side->base.alpha_u = 0.5f;
+    side->base.diff_trans = 2.0f;
+    return load_bsdf_set_color(loader, load_param(p, "transmittance"), side, BRDF_SLOT_DIFFUSE);
 }

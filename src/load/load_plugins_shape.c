@@ -76,7 +76,13 @@ static const struct param_spec keep_v = {"flip_tex_coords",
 static const struct param_spec centre = {
     "center", PARAM_POINT, "0 0 0", 0, 0, NULL, "The centre in object space."};
 static const struct param_spec radius = {
-    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "The radius in object space."};
+    "radius",
+    PARAM_FLOAT,
+    "1",
+    RANGE_ANY,
+    0,
+    NULL,
+    "The radius in object space, which is not 0. If it is negative, the inside is the front."};
 static const struct param_spec axis_start = {
     "p0", PARAM_POINT, "0 0 0", 0, 0, NULL, "The start of the axis in object space."};
 static const struct param_spec axis_end = {
@@ -177,17 +183,6 @@ static satin_status transform_shape(struct load_state *loader, const struct para
                                            : load_refuse(loader, p, "to_world is singular");
 }
 
-static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
-
-// Whether m maps spheres to spheres, to one part in a thousand.
-static bool is_similarity(const struct mat4 *m) {
-    vec3 a = column(m, 0), b = column(m, 1), c = column(m, 2);
-    float l2 = v3_len2(a), tolerance = 1e-3f * l2;
-    return fabsf(v3_len2(b) - l2) <= tolerance && fabsf(v3_len2(c) - l2) <= tolerance &&
-           fabsf(v3_dot(a, b)) <= tolerance && fabsf(v3_dot(b, c)) <= tolerance &&
-           fabsf(v3_dot(c, a)) <= tolerance;
-}
-
 static satin_status build_sphere(struct load_state *loader, const struct params *p, void *object) {
     struct shape *shape = object;
     float r = load_param(p, "radius")->f;
@@ -196,7 +191,8 @@ static satin_status build_sphere(struct load_state *loader, const struct params 
     struct mat4 m = mat4_mul(&translate, &scale);
     m = mat4_mul(&load_param(p, "to_world")->m, &m);
     shape->kind = SHAPE_SPHERE;
-    if (!is_similarity(&m))
+    if (r == 0.0f) return load_refuse(loader, p, "its radius is 0");
+    if (!load_transform_similar(&m))
         return load_refuse(loader, p, "to_world stretches or shears it, but it must stay round");
     satin_status status = transform_shape(loader, p, shape, &m);
     if (status != SATIN_OK) return status;
@@ -217,6 +213,7 @@ static satin_status build_cylinder(struct load_state *loader, const struct param
     vec3 p0 = load_param(p, "p0")->v, axis = v3_sub(load_param(p, "p1")->v, p0);
     float r = load_param(p, "radius")->f, length = v3_len(axis);
     shape->kind = SHAPE_CYLINDER;
+    if (r == 0.0f) return load_refuse(loader, p, "its radius is 0");
     if (!(length > 0.0f) || !isfinite(length)) return load_refuse(loader, p, "p0 and p1 coincide");
     struct frame f = frame_from_normal(v3_mul(axis, 1.0f / length));
     struct mat4 axes = {{{f.u.x, f.v.x, f.n.x, p0.x},

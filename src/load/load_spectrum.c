@@ -53,6 +53,7 @@ static satin_status add_spectrum_pair(struct log log, struct log_place place, co
                                       const char *between, struct spectrum *out) {
     static const char ends[] = " \t\r\n,:#";
     double wavelength, value;
+    const char *pair = *text;
     bool good = next_number(text, ends, &wavelength);
     size_t gap = good ? strspn(*text, between) : 0;
     good = good && gap;
@@ -60,7 +61,7 @@ static satin_status add_spectrum_pair(struct log log, struct log_place place, co
     if (good && next_number(text, ends, &value))
         return load_spectrum_add(log, place, out, wavelength, value);
     log_error_at(log, place, "a spectrum is a list of pairs of wavelength and value, not '%.40s'",
-                 *text);
+                 pair);
     return SATIN_ERROR_INPUT;
 }
 

@@ -99,6 +99,10 @@ satin_status load_group_add(struct load_state *loader, const struct params *p);
 // shape if that is NULL. *index is its index, or -1 if it is black (load_plugins_light.c).
 satin_status load_emitter_add(struct load_state *loader, struct xml_node *node,
                               const struct xml_node *parent, int32_t *index);
+// Sets the transform of an image of the environment and its inverse. One that stretches or shears
+// is replaced by its rotation, with a warning (load_plugins_light.c).
+satin_status load_light_orient(struct load_state *loader, const struct params *p,
+                               struct mat4 to_world, struct light *light);
 // Reads the camera, the film and the samples per pixel of the scene (load_plugins_sensor.c).
 satin_status load_sensor(struct load_state *loader, struct xml_node *node);
 // Computes the half extents at unit distance from the parameters fov, fov_axis and focal_length,

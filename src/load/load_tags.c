@@ -42,10 +42,11 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
     [XML_DEFAULT] = {"default", {"name", "value"}, {NULL}},
     [XML_INCLUDE] = {"include", {"filename"}, {"name"}},
     [XML_PATH] = {"path", {"value"}, {NULL}},
+    [XML_UNREAD] = {"", {NULL}, {NULL}},
 };
 
 // Elements that Mitsuba has and satin does not read.
-static const char *const unread_tags[] = {"medium", "phase", "volume", "field", NULL};
+static const char *const unread_tags[] = {"medium", "phase", "volume", "field", "subsurface", NULL};
 
 const char *load_xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 
@@ -55,15 +56,21 @@ bool load_xml_tag_unread(const char *name) {
     return false;
 }
 
+bool load_xml_tag_spared(enum xml_tag parent, const char *name) {
+    if (parent == XML_SCENE) return load_xml_tag_unread(name);
+    return (parent == XML_SHAPE || parent == XML_SENSOR || parent == XML_EMITTER) &&
+           (strcmp(name, "medium") == 0 || strcmp(name, "subsurface") == 0);
+}
+
 enum xml_tag load_xml_tag_find(struct log log, struct log_place place, const char *name) {
-    for (int i = 0; i < XML_TAG_COUNT; i++)
+    for (int i = 0; i < XML_UNREAD; i++)
         if (strcmp(tags[i].name, name) == 0) return (enum xml_tag)i;
     if (load_xml_tag_unread(name)) {
         log_error_at(log, place, "<%s> is not supported", name);
         return XML_TAG_COUNT;
     }
     struct text_nearest nearest = {.word = name};
-    for (int i = 0; i < XML_TAG_COUNT; i++) text_nearest_try(&nearest, tags[i].name);
+    for (int i = 0; i < XML_UNREAD; i++) text_nearest_try(&nearest, tags[i].name);
     if (nearest.best)
         log_error_at(log, place, "unknown element <%s> (did you mean <%s>?)", name, nearest.best);
     else

@@ -139,3 +139,23 @@ satin_status load_transform(struct log log, const struct xml_node *node, struct 
     *out = result;
     return SATIN_OK;
 }
+
+static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
+
+bool load_transform_similar(const struct mat4 *m) {
+    vec3 a = column(m, 0), b = column(m, 1), c = column(m, 2);
+    float l2 = v3_len2(a), tolerance = 1e-3f * l2;
+    return fabsf(v3_len2(b) - l2) <= tolerance && fabsf(v3_len2(c) - l2) <= tolerance &&
+           fabsf(v3_dot(a, b)) <= tolerance && fabsf(v3_dot(b, c)) <= tolerance &&
+           fabsf(v3_dot(c, a)) <= tolerance;
+}
+
+struct mat4 load_transform_unstretched(const struct mat4 *m) {
+    const vec3 y = v3_unit(column(m, 1)), a = column(m, 0),
+               x = v3_unit(v3_sub(a, v3_mul(y, v3_dot(a, y)))), z = v3_cross(x, y),
+               c = mat4_det3(m) < 0.0 ? v3_neg(z) : z;
+    return (struct mat4){{{x.x, y.x, c.x, m->m[0][3]},
+                          {x.y, y.y, c.y, m->m[1][3]},
+                          {x.z, y.z, c.z, m->m[2][3]},
+                          {0.0f, 0.0f, 0.0f, 1.0f}}};
+}

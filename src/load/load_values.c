@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads values of parameters from text: numbers, lists, names and colours, with their ranges.
+#include <stdio.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -106,30 +107,42 @@ static satin_status check_range(struct log log, const struct param_spec *spec,
     return check_in(log, spec, spec->range, place, x);
 }
 
-static satin_status wrong_value(struct log log, struct log_place place, const char *name,
-                                const char *text, const char *best) {
-    if (best)
-        log_error_at(log, place, "%s: unknown value '%s' (did you mean '%s'?)", name, text, best);
+satin_status load_value_unknown(struct log log, const char *name, struct log_place place,
+                                const struct text_nearest *nearest, const char *list) {
+    if (nearest->best)
+        log_error_at(log, place, "%s: unknown value '%s' (did you mean '%s'?)", name, nearest->word,
+                     nearest->best);
     else
-        log_error_at(log, place, "%s: unknown value '%s'", name, text);
+        log_error_at(log, place, "%s: unknown value '%s'; known are %s", name, nearest->word, list);
     return SATIN_ERROR_INPUT;
 }
+
+enum { VALUE_LIST = 512 };  // bytes of a list of values in a message
 
 static satin_status read_choice(struct log log, const struct param_spec *spec, const char *text,
                                 struct param_value *value) {
     for (value->i = 0; spec->choices[value->i]; value->i++)
         if (text_same_name(spec->choices[value->i], text)) return SATIN_OK;
     struct text_nearest nearest = {.word = text};
-    for (int i = 0; spec->choices[i]; i++) text_nearest_try(&nearest, spec->choices[i]);
-    return wrong_value(log, value->place, spec->name, text, nearest.best);
+    char list[VALUE_LIST] = "";
+    size_t n = 0;
+    for (int i = 0; spec->choices[i]; i++) {
+        text_nearest_try(&nearest, spec->choices[i]);
+        if (n < sizeof list)
+            n += (size_t)snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "",
+                                  spec->choices[i]);
+    }
+    return load_value_unknown(log, spec->name, value->place, &nearest, list);
 }
 
 static satin_status read_ior(struct log log, const struct param_spec *spec, const char *text,
                              struct param_value *value) {
     if (load_ior_find(text, &value->f)) return SATIN_OK;
     struct text_nearest nearest = {.word = text};
+    char list[VALUE_LIST];
     for (int i = 0; load_ior_name(i); i++) text_nearest_try(&nearest, load_ior_name(i));
-    return wrong_value(log, value->place, spec->name, text, nearest.best);
+    return load_value_unknown(log, spec->name, value->place, &nearest,
+                              load_names_list(load_ior_name, list, sizeof list));
 }
 
 static satin_status read_param_number(struct log log, const struct param_spec *spec,

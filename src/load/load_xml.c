@@ -110,13 +110,18 @@ static satin_status copy_attributes(struct file *file, const char **from, struct
 static bool check_parent_element(const struct file *file, const struct xml_node *node) {
     const struct xml_reader *reader = file->reader;
     bool root = reader->depth == file->base_depth;
-    if (!load_xml_attributes_valid(reader->log, node, root)) return false;
     const char *name = load_xml_tag_name(node->tag);
-    if (reader->depth == 0) {
-        if (node->tag == XML_SCENE) return true;
+    if (reader->depth == 0 && node->tag != XML_SCENE) {
         log_error_at(reader->log, node->place, "the root element is <%s>, not <scene>", name);
         return false;
     }
+    if (!root && node->tag == XML_SCENE) {
+        log_error_at(reader->log, node->place, "<scene> cannot stand inside <%s>",
+                     load_xml_tag_name(reader->open[reader->depth - 1]->tag));
+        return false;
+    }
+    if (!load_xml_attributes_valid(reader->log, node, root)) return false;
+    if (reader->depth == 0) return true;
     if (root) {
         if (load_xml_is_object(node->tag)) return true;
         log_error_at(reader->log, node->place, "<%s> cannot be the root element", name);
@@ -224,25 +229,42 @@ static satin_status open_element(struct file *file, const char *name, const char
     return status;
 }
 
-// Whether an element is not read, with all that it contains. Media and volumes beside the shapes
-// change nothing unless something refers to them, which then finds no object of that name.
+// Whether an element is not read, with all that it contains: a medium or a volume.
 static bool skips(const struct file *file, const char *name) {
     const struct xml_reader *reader = file->reader;
     if (reader->skipped > 0) return true;
     const struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
-    if (!parent || parent->tag != XML_SCENE || !load_xml_tag_unread(name)) return false;
-    log_warning_at(reader->log, current_place(file), "<%s> is not supported; it is not used", name);
-    return true;
+    return parent && load_xml_tag_spared(parent->tag, name);
+}
+
+// Reports the outermost element that is not read. If it has an id, references to it are valid.
+static satin_status skip_element(struct file *file, const char *name, const char **attributes) {
+    struct xml_reader *reader = file->reader;
+    struct arena *arena = &reader->xml->arena;
+    const bool used = reader->open[reader->depth - 1]->tag != XML_SCENE;
+    log_warning_at(reader->log, current_place(file), "<%s> is not supported%s", name,
+                   used ? ": the image is without it" : "; it is not used");
+    while (*attributes && strcmp(attributes[0], "id") != 0) attributes += 2;
+    if (!*attributes || !attributes[1][0]) return SATIN_OK;
+    struct xml_node *node = arena_alloc(arena, sizeof *node);
+    const char *id = arena_text(arena, attributes[1], strlen(attributes[1])),
+               *type = arena_text(arena, name, strlen(name));
+    if (!node || !id || !type) return SATIN_ERROR_MEMORY;
+    *node =
+        (struct xml_node){.tag = XML_UNREAD, .place = current_place(file), .type = type, .id = id};
+    node->number = reader->nodes++;
+    return load_ids_add(reader->xml, (struct xml_id){id, node, NULL, node->place, node->number});
 }
 
 static void XMLCALL on_start(void *user, const char *name, const char **attributes) {
     struct file *file = user;
     if (file->reader->status != SATIN_OK) return;
-    if (skips(file, name)) {
-        file->reader->skipped++;
-        return;
-    }
-    satin_status status = open_element(file, name, attributes);
+    const bool skipped = skips(file, name);
+    satin_status status = SATIN_OK;
+    if (!skipped)
+        status = open_element(file, name, attributes);
+    else if (file->reader->skipped++ == 0)
+        status = skip_element(file, name, attributes);
     if (status != SATIN_OK) stop_parsing(file, status);
 }
 
@@ -285,6 +307,19 @@ static int XMLCALL on_external_entity(XML_Parser parser, const char *context, co
     return XML_STATUS_ERROR;
 }
 
+static void log_syntax_error(const struct file *file, const char *data, size_t size) {
+    const struct xml_reader *reader = file->reader;
+    const enum XML_Error error = XML_GetErrorCode(file->parser);
+    const XML_Index index = XML_GetCurrentByteIndex(file->parser);
+    const bool token = error == XML_ERROR_INVALID_TOKEN && index >= 0 && (size_t)index < size;
+    const bool unclosed = (error == XML_ERROR_TAG_MISMATCH || error == XML_ERROR_NO_ELEMENTS) &&
+                          reader->depth > file->base_depth && reader->skipped == 0;
+    const bool empty = strspn(data, " \t\r\n") == size;
+    load_xml_log_syntax(reader->log, current_place(file), empty ? NULL : XML_ErrorString(error),
+                        token ? data + index : NULL,
+                        unclosed ? reader->open[reader->depth - 1] : NULL);
+}
+
 // Expat replaces the entities that the file declares, and limits their growth: to 8 MiB, or to 100
 // times the file.
 static satin_status parse(struct file *file, const char *data, size_t size) {
@@ -296,11 +331,10 @@ static satin_status parse(struct file *file, const char *data, size_t size) {
     XML_SetExternalEntityRefHandler(file->parser, on_external_entity);
     if (XML_Parse(file->parser, data, (int)size, XML_TRUE) == XML_STATUS_OK) return reader->status;
     if (reader->status != SATIN_OK) return reader->status;
-    enum XML_Error error = XML_GetErrorCode(file->parser);
-    if (error == XML_ERROR_NO_MEMORY)
+    if (XML_GetErrorCode(file->parser) == XML_ERROR_NO_MEMORY)
         return log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
                         file->path);
-    log_error_at(reader->log, current_place(file), "not XML: %s", XML_ErrorString(error));
+    log_syntax_error(file, data, size);
     return SATIN_ERROR_INPUT;
 }
 
@@ -347,7 +381,9 @@ static satin_status read_xml_file(struct xml_reader *reader, const struct file *
     else if (!check_include(&file, place))
         status = SATIN_ERROR_INPUT;
     else
-        status = parse(&file, data, size);
+        status = load_xml_clean(&data, &size)
+                     ? parse(&file, data, size)
+                     : log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     if (file.parser) XML_ParserFree(file.parser);
     free(file.real);
     free(data);

@@ -54,6 +54,8 @@ enum xml_tag {
     XML_DEFAULT,
     XML_INCLUDE,
     XML_PATH,
+    XML_UNREAD,  // an element that satin does not read, to which a <ref> may refer: its type is the
+                 // element's name
     XML_TAG_COUNT
 };
 
@@ -101,15 +103,25 @@ satin_status load_xml_read(struct log log, const char *path, bool stream,
                            struct load_xml *out);
 void load_xml_free(struct load_xml *xml);
 
+// ---- load_xml_text.c
+// Changes the text of a file, from malloc and with a 0 at its end, so that expat reads two errors
+// that Mitsuba accepts: comments may contain `--` and bytes that are not UTF-8, and an `&` that
+// begins no entity is itself. Lines stay as they are. False if there is no memory.
+bool load_xml_clean(char **data, size_t *size);
+// Logs what is not XML: NULL is an empty file. `at` is the text in question, `open` the element
+// that is not closed; either may be NULL.
+void load_xml_log_syntax(struct log log, struct log_place place, const char *what, const char *at,
+                         const struct xml_node *open);
+
 // ---- load_path.c
 // The path of a file that the element at `place` names: relative to the file of that place, to the
 // folders of <path> (the last one first), or to the main file. If there is no such file, it is the
 // first of these. From malloc, the caller frees it; NULL if there is no memory.
 char *load_xml_resolve(const struct load_xml *xml, struct log_place place, const char *name);
 
-// The file whose name differs from that of a missing one only in the case of letters; the first in
-// byte order if there are several. From malloc, the caller frees it. NULL if `path` exists, if
-// there is no such file or no memory.
+// The file whose name differs from that of a missing one only in the case of letters, or has `/`
+// for its `\`; the first in byte order if there are several. From malloc, the caller frees it. NULL
+// if `path` exists, if there is no such file or no memory.
 char *load_path_any_case(const char *path);
 
 // Adds the folder of a <path>. SATIN_ERROR_MEMORY is not logged.
@@ -149,6 +161,9 @@ static inline bool load_xml_is_shared(enum xml_tag tag) {
 bool load_xml_may_contain(enum xml_tag parent, enum xml_tag child);
 // Whether this is an element that Mitsuba has and satin does not read.
 bool load_xml_tag_unread(const char *name);
+// Whether the image can be made without an element that satin does not read, if it stands in
+// `parent`.
+bool load_xml_tag_spared(enum xml_tag parent, const char *name);
 // The tag of an element name. If satin does not read it, logs the reason and returns XML_TAG_COUNT.
 enum xml_tag load_xml_tag_find(struct log log, struct log_place place, const char *name);
 // Checks the attributes of an element; the root of a file needs a version. Logs errors.

@@ -159,7 +159,8 @@ static void shapes_are_built(void **state) {
         "<shape type='sphere'><transform name='to_world'><scale x='-1'/></transform></shape>"
         "<shape type='cylinder'><point name='p0' value='1 0 0'/><point name='p1' value='1 4 0'/>"
         "<float name='radius' value='.5'/><boolean name='flip_normals' value='true'/></shape>"
-        "<shape type='cube'><boolean name='face_normals' value='true'/></shape>"));
+        "<shape type='cube'><boolean name='face_normals' value='true'/></shape>"
+        "<shape type='sphere'><float name='radius' value='-2'/></shape>"));
     const struct shape *s = scene->shape;
     assert_true(s[0].radius == 6.0f && v3_dist2(s[0].centre, v3(4, 6, 9)) == 0.0f);
     assert_false(s[0].flip_normals);
@@ -168,6 +169,7 @@ static void shapes_are_built(void **state) {
     assert_true(fabsf(top.y - 4) < 1e-6f && fabsf(v3_dist2(top, v3(1, 4, 0)) - .25f) < 1e-6f);
     assert_true(s[2].flip_normals && fabsf(s[2].area - 4 * PI_F) < 1e-5f);
     assert_int_equal(s[3].mesh.triangle_count, 12);
+    assert_true(s[4].flip_normals && s[4].radius == 2.0f);
     satin_scene_free(scene);
 }
 
@@ -266,11 +268,12 @@ static const struct load_refusal load_refusals[] = {
      "scene.xml:3:1: emitter 'timed_sunsky' is not supported"},
     {SCENE_TEXT("<emitter type='sunsky'><float name='turbidity' value='.9'/></emitter>"),
      "scene.xml:3:1: emitter 'sunsky': its turbidity is not in [1, 10]"},
-    {SCENE_TEXT("<emitter type='sunsky'><float name='hour' value='23'/></emitter>"),
-     "scene.xml:3:1: emitter 'sunsky': its sun is below the horizon"},
+    {SCENE_TEXT("<emitter type='sunsky'><vector name='sun_direction' value='0'/></emitter>"),
+     "scene.xml:3:1: emitter 'sunsky': its sun_direction is zero, too small or too large"},
     {SHAPE("<emitter type='directionalarea'/>"),
      "scene.xml:3:1: shape 'sphere': a directionalarea emitter needs a rectangle or a disk"},
-    {SCENE_TEXT("<shape type='zzzzzzzzz'/>"), "scene.xml:3:1: unknown shape 'zzzzzzzzz'"},
+    {SCENE_TEXT("<shape type='zzzzzzzzz'/>"),
+     "scene.xml:3:1: unknown shape 'zzzzzzzzz' (`satin help plugins` lists all)"},
     {"<scene version='3.0.0'/>", "scene.xml:1:1: the scene has no <sensor>"},
     {SHAPE("<ref id='nothing'/>"), "scene.xml:3:22: reference to unknown id 'nothing'"},
     {SHAPE("<bsdf type='roughconductor'><float name='alpha' value='-.1'/></bsdf>"),
@@ -289,7 +292,14 @@ static const struct load_refusal load_refusals[] = {
            "<ref id='a' name='color0'/></texture></bsdf>"),
      "scene.xml:3:43: textures are nested too deep, or contain themselves"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>"),
-     "scene.xml:3:45: unknown metal 'Unobtainium'"},
+     "scene.xml:3:45: material: unknown value 'Unobtainium'; known are a-C, Ag, Al, AlAs, AlSb, "
+     "Au, Be, Cr, "
+     "CsI, Cu, Cu_palik, Cu2O, CuO, d-C, Hg, HgTe, Ir, K, Li, MgO, Mo, Na_palik, Nb, Ni_palik, Rh, "
+     "Se, SiC, SnTe, Ta, Te, ThF4, TiC, TiN, TiO2, VC, V_palik, VN, W, none"},
+    {SCENE_TEXT("<film type='hdrfilm'/>"),
+     "scene.xml:3:1: <scene> takes no <film>; its place is <sensor>"},
+    {SHAPE("<bsdf type='plastic'><integrator type='path'/></bsdf>"),
+     "scene.xml:3:43: BRDF 'plastic' takes no <integrator>; its place is <scene>"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Al'/>"
            "<rgb name='k' value='1'/></bsdf>"),
      "scene.xml:3:45: a metal is either a material, or eta and k"},
@@ -301,7 +311,7 @@ static const struct load_refusal load_refusals[] = {
      "scene.xml: the lights' power is too large to count"},
     {SHAPE("<bsdf type='twosided'/>"), "scene.xml:3:22: twosided takes one or two <bsdf>s"},
     {SCENE_TEXT("<bsdf type='twosided' id='a'><ref id='a'/></bsdf>"),
-     "scene.xml:3:1: twosided is nested too deep, or in itself"},
+     "scene.xml:3:1: twosided contains itself, or over 32 BRDFs in each other"},
     {SHAPE("<bsdf type='blendbsdf'><float name='weight' value='.5'/><bsdf type='null'/></bsdf>"),
      "scene.xml:3:22: blendbsdf takes two <bsdf>s"},
     {SHAPE("<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
@@ -336,8 +346,7 @@ static const struct load_refusal load_refusals[] = {
      "scene.xml:3:22: shape 'sphere' has no parameter 'toWorld' (did you mean 'to_world'?)"},
     {SHAPE("<transform name='to_world'><scale x='2'/></transform>"),
      "scene.xml:3:1: shape 'sphere': to_world stretches or shears it, but it must stay round"},
-    {SHAPE("<float name='radius' value='0'/>"),
-     "scene.xml:3:22: radius is 0, but must be positive"},
+    {SHAPE("<float name='radius' value='0'/>"), "scene.xml:3:1: shape 'sphere': its radius is 0"},
     {SCENE_TEXT("<shape type='disk'><transform name='to_world'><scale x='0'/></transform></shape>"),
      "scene.xml:3:1: shape 'disk': to_world is singular"},
     {SCENE_TEXT("<shape type='cube'><transform name='to_world'><scale value='1e30'/></transform>"
@@ -373,7 +382,8 @@ static const struct load_refusal load_refusals[] = {
     {FILM("<integer name='width' value='2147483647'/>"),
      "scene.xml:4:1: width is 2147483647, but at most 1048576 pixels are supported"},
     {FILM("<integer name='width' value='1048576'/><integer name='height' value='1048576'/>"),
-     "scene.xml:3:1: film 'hdrfilm': it has too many pixels"},
+     "scene.xml:3:1: film 'hdrfilm': it has 1048576 x 1048576 pixels, but at most 268435456 are "
+     "supported"},
     {FILM("<integer name='height' value='0'/>"),
      "scene.xml:4:1: height is 0, but must be positive"},
     {FILM("<integer name='crop_width' value='769'/>"),

@@ -153,10 +153,10 @@ static void textures_of_version_06_are_read(void **state) {
 static void what_has_no_translation_is_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {
-        {"<bsdf type='roughplastic'><string name='distribution' value='as'/></bsdf>",
-         "scene.xml:1:50: distribution: unknown value 'as'"},
-        {"<shape type='sphere'><medium type='homogeneous'/></shape>",
-         "scene.xml:1:45: <medium> is not supported"},
+        {"<bsdf type='roughplastic'><string name='distribution' value='zz'/></bsdf>",
+         "scene.xml:1:50: distribution: unknown value 'zz'; known are beckmann, ggx"},
+        {"<shape type='disk'><bsdf type='hk'/></shape>",
+         "scene.xml:1:43: BRDF 'hk' is not supported"},
         {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",
          "scene.xml:1:47: gamma is '1.8', but must be 1, 2.2 or -1"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -184,6 +184,9 @@ static void files_of_other_programs_are_read(void **state) {
         "<shape type='sphere'><bsdf type='phong' id='b'>"
         "<rgb name='diffuseReflectance' value='.5 .4 .2'/>"
         "<rgb name='specularReflectance' value='1 .6 .2'/></bsdf></shape>"
+        "<shape type='disk'><bsdf type='bump'><texture type='checkerboard'/>"
+        "<bsdf type='roughconductor'><string name='distribution' value='as'/>"
+        "<float name='alphaU' value='.2'/><float name='alphaV' value='.1'/></bsdf></bsdf></shape>"
         "<emitter type='sunsky'><float name='turbidity' value='4'/><float name='scale' value='3'/>"
         "<float name='skyScale' value='2'/></emitter></scene>");
     assert_non_null(scene);
@@ -193,11 +196,14 @@ static void files_of_other_programs_are_read(void **state) {
     assert_float_equal(b->diffuse.r, .33f, 1e-6f);
     assert_float_equal(b->specular.r, .66f, 1e-6f);
     assert_float_equal(b->specular.b, .132f, 1e-6f);
+    const struct material_side *facets = &scene->material[2].front;
+    assert_non_null(facets->bump[0].height);
+    assert_true(facets->base.distribution == BRDF_BECKMANN && facets->base.alpha_v == .1f);
     const struct light *sky = &scene->light[scene->environment];
     assert_true(sky->value.g == 6.0f && sky->sun.y > 0.5f && sky->sun.x < 0.0f);
-    // There are warnings for parameters without effect of BRDFs and of shapes, the sum,
-    // and spheres at one position.
-    assert_int_equal(c.warnings, 4);
+    // There are warnings for parameters without effect of BRDFs and of shapes, the sum, the
+    // distribution, and spheres at one position.
+    assert_int_equal(c.warnings, 5);
     satin_scene_free(scene);
 }
 

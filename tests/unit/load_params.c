@@ -224,7 +224,7 @@ static const char *const load_params_refusals[][2] = {
     {"<rgb name='colour' value='1 1'/>", "expected 3 numbers, found '1 1'"},
     {"<rgb name='colour' value='#12345g'/>", "'#12345g' is not a colour of the form #rrggbb"},
     {"<spectrum name='colour' value='400:1, 700'/>",
-     "a spectrum is a list of pairs of wavelength and value, not ''"},
+     "a spectrum is a list of pairs of wavelength and value, not '700'"},
     {"<spectrum name='colour' value='400:1, 400:2'/>", "wavelengths do not ascend at sample 1"},
     {"<spectrum name='colour'/>", "<spectrum> has either a value, a filename or a type"},
     {"<spectrum name='colour' filename='none.spd'/>",
@@ -243,7 +243,7 @@ static const char *const load_params_refusals[][2] = {
     {"<texture type='x'/>", "BRDF 'test' takes no <texture> without a name"},
     {"<texture name='color' type='x'/>",
      "BRDF 'test' has no parameter 'color' (did you mean 'colour'?)"},
-    {"<shape type='cube'/>", "BRDF 'test' takes no <shape>"},
+    {"<shape type='cube'/>", "BRDF 'test' takes no <shape>; its place is <scene>"},
     {"<ref name='colour' id='s'/>", "reference to unknown id 's'"},
     {"<float name='size' value='1'/>", "BRDF 'test' needs the parameter 'must'"}};
 
@@ -322,6 +322,8 @@ static void textures_fit_their_models(void **state) {
         {"eta", NULL}};
     for (const struct plugin_spec *b = load_bsdf_plugins; b->name; b++) {
         if (!b->build) continue;
+        // A plugin of version 0.6, which is principledthin with other parameters.
+        if (strcmp(b->name, "difftrans") == 0) continue;
         const struct brdf_model *model = brdf_find(b->name);
         assert_non_null(model);
         for (int i = 0; i < BRDF_SLOT_COUNT; i++) {

@@ -45,11 +45,36 @@ static const struct nonsense warned[] = {
     {"<bsdf type='hair' id='h'/>", "BRDF 'hair' is not supported; it is not used"},
     {"<medium type='homogeneous' id='m'><phase type='hg'/>text</medium>",
      "<medium> is not supported; it is not used"},
+    {SPHERE("<medium type='homogeneous' name='interior'><float name='scale' value='2'/></medium>"),
+     "<medium> is not supported: the image is without it"},
+    {SPHERE("<subsurface type='dipole'/>"),
+     "<subsurface> is not supported: the image is without it"},
+    {"<emitter type='sunsky'>" FLOAT("hour", "23") "</emitter>",
+     "emitter 'sunsky': its sun is below the horizon, so it gives no light"},
+    {"<emitter type='sky'>" TO_WORLD("<scale y='2'/>") "</emitter>",
+     "emitter 'sky': to_world stretches or shears it; only its rotation is used"},
+};
+
+static const struct nonsense imprecise[] = {
+    {"<shape type='cube'>" TO_WORLD("<translate x='1e4'/>") "</shape>",
+     "the scene is 3.46 units large and lies 1e+04 units from the origin, where single precision "
+     "loses details below 0.0048 units: move it to the origin"},
+    {"<shape type='cube'>" TO_WORLD("<scale value='1e-9'/>") "</shape>",
+     "the scene is 3.46e-09 units large, but light is only accurate in single precision between "
+     "3.3e-08 and 7e+12: scale it"},
+    {"<shape type='cube'>" TO_WORLD("<scale value='1e13'/>") "</shape>",
+     "the scene is 3.46e+13 units large, but light is only accurate in single precision between "
+     "3.3e-08 and 7e+12: scale it"},
+    {"<shape type='cube'>" TO_WORLD("<translate x='5000'/>") "</shape>", ""},
+    {"<shape type='cube'>" TO_WORLD("<scale value='1e12'/>") "</shape>", ""},
+    {"<shape type='cube'>" TO_WORLD("<scale value='1e-7'/>") "</shape>", ""},
 };
 
 static const struct nonsense refused[] = {
     {SPHERE(TO_WORLD("<scale value='0'/>")), "shape 'sphere': to_world is singular"},
-    {SPHERE(FLOAT("radius", "-1")), "radius is -1, but must be positive"},
+    {SPHERE(FLOAT("radius", "0")), "shape 'sphere': its radius is 0"},
+    {"<shape type='cylinder'>" FLOAT("radius", "0") "</shape>",
+     "shape 'cylinder': its radius is 0"},
     {SPHERE(FLOAT("radius", "nan")), "'nan' is not a number"},
     {SPHERE(FLOAT("radius", "inf")), "'inf' is not a number"},
     {SPHERE(FLOAT("radius", "1e39")), "'1e39' is not a number"},
@@ -101,6 +126,34 @@ static void doubtful_values_are_reported(void **state) {
         load_warnings_expect(&warned[i], c.warning);
         satin_scene_free(scene);
     }
+}
+
+// Scenes where single precision is too coarse are reported, and those a little inside are not.
+static void imprecise_scenes_are_reported(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof imprecise / sizeof *imprecise; i++) {
+        struct scene_case c;
+        satin_scene *scene = load_line(&c, imprecise[i].line);
+        assert_non_null(scene);
+        assert_string_equal(c.warning, imprecise[i].message);
+        assert_int_equal(c.warnings, imprecise[i].message[0] != 0);
+        satin_scene_free(scene);
+    }
+}
+
+// A reference to a medium is a warning, also if the medium stands behind it.
+static void references_to_media_are_left_out(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = load_line(
+        &c, SPHERE("<ref id='fog' name='interior'/>") "<medium type='homogeneous' id='fog'/>");
+    assert_non_null(scene);
+    assert_int_equal(c.warnings, 2);
+    assert_string_equal(after_place(c.warning),
+                        "'fog' is a <medium>, which is not supported: the image is without it");
+    satin_scene_free(scene);
+    assert_null(load_line(&c, "<medium type='homogeneous' id='fog'/>" SPHERE("<ref id='fo'/>")));
+    assert_string_equal(after_place(c.error), "reference to unknown id 'fo' (did you mean 'fog'?)");
 }
 
 static void impossible_values_are_refused(void **state) {
@@ -166,6 +219,8 @@ static void strict_loading_refuses_what_it_reports(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubtful_values_are_reported),
+        cmocka_unit_test(imprecise_scenes_are_reported),
+        cmocka_unit_test(references_to_media_are_left_out),
         cmocka_unit_test(impossible_values_are_refused),
         cmocka_unit_test(warnings_of_a_kind_are_counted),
         cmocka_unit_test(warnings_come_before_an_error),
