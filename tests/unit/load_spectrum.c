@@ -23,10 +23,12 @@ static void bad_spectrum_files_are_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"", "a.spd: there is no sample in it"},
-        {"400 1\n500", "a.spd:2: a spectrum is a list of pairs of wavelength and value, not ''"},
-        {"400 1\n500 x", "a.spd:2: a spectrum is a list of pairs of wavelength and value, not 'x'"},
+        {"400 1\n500", "a.spd:2: a spectrum is a list of pairs of wavelength and value, not '500'"},
+        {"400 1\n500 x",
+         "a.spd:2: a spectrum is a list of pairs of wavelength and value, not '500 x'"},
         {"400 1\n300 1", "a.spd:2: wavelengths do not ascend at sample 1"},
-        {"400 nan", "a.spd:1: a spectrum is a list of pairs of wavelength and value, not 'nan'"}};
+        {"400 nan",
+         "a.spd:1: a spectrum is a list of pairs of wavelength and value, not '400 nan'"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         struct spectrum spectrum = {0};

@@ -26,8 +26,8 @@ static void coarse_records_get_more_rays(void **state) {
     for (int stride = 1; stride <= RENDER_COARSEST; stride *= 2) {
         assert_true(render_covering_rays(&o, &all, stride) == 1.0f);
         assert_true(render_covering_rays(&o, &half, stride) >=
-                    fmaxf(0.5f * (float)stride / RENDER_COARSEST, 32.0f / 600.0f));
-        assert_true(render_covering_rays(&o, &few, stride) == 32.0f / 600.0f);
+                    fmaxf(0.5f * (float)stride / RENDER_COARSEST, 100.0f / 600.0f));
+        assert_true(render_covering_rays(&o, &few, stride) == 100.0f / 600.0f);
     }
     assert_true(render_covering_rays(&o, &half, RENDER_COARSEST) == 0.5f);
 }
@@ -45,7 +45,7 @@ static struct render_covering planned(const satin_options *o, int stride, double
 
 static void the_time_limits_the_rays_of_records(void **state) {
     (void)state;
-    const satin_options o = options_of(SATIN_PRODUCTION);  // 2000 rays
+    const satin_options o = options_of(SATIN_PRODUCTION);  // 4000 rays
     for (double left = 0.1; left < 0.7; left *= 2.0) {
         const struct render_covering c = planned(&o, 1, 100.0, left);
         assert_true(fabs(0.7 * (double)render_covering_rays(&o, &c, 1) - left) < 1e-3);
@@ -59,7 +59,7 @@ static void the_time_limits_the_rays_of_records(void **state) {
     }
     assert_true(before == 1.0f);
     const struct render_covering none = planned(&o, RENDER_COARSEST, 100.0, 0.0);
-    assert_true(render_covering_rays(&o, &none, 16) == 32.0f / 2000.0f);
+    assert_true(render_covering_rays(&o, &none, 16) == 100.0f / 4000.0f);
     struct render_covering first = {0};
     render_covering_plan(&o, &first, RENDER_COARSEST, 1000.0, 100.0, 0.0);
     assert_true(first.rays == RENDER_COARSEST);
