@@ -144,7 +144,8 @@ static bool draw_tilted(const struct path_surface *at, const float u[3], struct 
         const vec3 wo_l = frame_to_local(&at->frame, wo);
         *out = (struct brdf_sample){.wi = wo_l, .lobe = BRDF_DIFFUSE, .eta = 1.0f};
         out->pdf_w = brdf_pdf(&at->brdf, wi_l, wo_l, BRDF_ALL);
-        out->weight = rgb_scale(brdf_eval(&at->brdf, wi_l, wo_l, BRDF_SMOOTH), fabsf(wo_l.z));
+        // The viewer is where the photon goes, and the slopes of a map shadow where it comes from.
+        out->weight = rgb_scale(brdf_eval(&at->brdf, wo_l, wi_l, BRDF_SMOOTH), fabsf(wo_l.z));
         pdf_surface = v3_dot(wo, at->n) / PI_F;
     } else {
         const float u_lobe = sample_rest(u[0], 0.5f);
