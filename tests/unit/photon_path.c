@@ -155,20 +155,28 @@ static void paths_store_by_albedo(void **state) {
     }
 }
 
+// A normal map that tilts normals by b towards x, and a floor that has it.
+static struct texture photon_path_map(float b) {
+    return (struct texture){.value = rgb_make(0.5f + 0.5f * sinf(b), 0.5f, 0.5f + 0.5f * cosf(b))};
+}
+
+static void photon_path_floor(struct test_scene *t, float albedo, const struct texture *map) {
+    const uint32_t floor = test_diffuse(t, albedo, albedo, albedo);
+    t->material[floor].front.bump[0].normal = map;
+    test_rectangle(t, mat4_identity(), floor);
+}
+
 // Light along (-sin a, 0, -cos a) has the irradiance cos a on a floor, and cos(a - b) about a
 // normal that a map tilts by b towards it; 0 where this normal faces away.
 static void tilted_normals_have_their_irradiance(void **state) {
     (void)state;
     const float b = 0.6f, angles[] = {-1.2f, -0.5f, 0.0f, 0.7f, 1.3f};
-    const struct texture map = {.value =
-                                    rgb_make(0.5f + 0.5f * sinf(b), 0.5f, 0.5f + 0.5f * cosf(b))};
+    const struct texture map = photon_path_map(b);
     for (size_t i = 0; i < sizeof angles / sizeof *angles; i++) {
         struct test_scene t;
         const float a = angles[i];
         test_scene_init(&t);
-        const uint32_t floor = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
-        t.material[floor].front.bump[0].normal = &map;
-        test_rectangle(&t, mat4_identity(), floor);
+        photon_path_floor(&t, 0.5f, &map);
         test_light(&t, (struct light){.kind = LIGHT_DIRECTIONAL,
                                       .value = rgb_grey(1),
                                       .direction = v3(-sinf(a), 0, -cosf(a))});
@@ -202,15 +210,12 @@ static void tilted_normals_have_their_irradiance(void **state) {
 static void tilted_normals_scatter_equal_photons(void **state) {
     (void)state;
     const float albedo = 0.5f, b = 0.6f, angles[] = {-0.5f, 0.7f, 1.3f, 1.5f};
-    const struct texture map = {.value =
-                                    rgb_make(0.5f + 0.5f * sinf(b), 0.5f, 0.5f + 0.5f * cosf(b))};
+    const struct texture map = photon_path_map(b);
     for (size_t i = 0; i < sizeof angles / sizeof *angles; i++) {
         struct test_scene t;
         const float a = angles[i];
         test_scene_init(&t);
-        const uint32_t floor = test_diffuse(&t, albedo, albedo, albedo);
-        t.material[floor].front.bump[0].normal = &map;
-        test_rectangle(&t, mat4_identity(), floor);
+        photon_path_floor(&t, albedo, &map);
         test_quadric(&t, SHAPE_SPHERE, test_transform(v3(0, 0, 0), v3(30, 30, 30)), true,
                      test_diffuse(&t, 0, 0, 0));
         test_light(&t, (struct light){.kind = LIGHT_SPOT,
