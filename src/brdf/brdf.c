@@ -2,10 +2,6 @@
 // Functions for all models: the table of models, and evaluation and sampling of selected lobes.
 // Sampling chooses a lobe by the model's probabilities, restricted to the selected lobes; the
 // density of a direction is that of the mixture of the smooth lobes among them.
-//
-// If a bump or normal map has rotated the frame, directions must be on the same side of the rotated
-// and of the true surface, and light at grazing angles to the true surface is shadowed by the
-// slopes of the map [Estevez et al. 2019].
 #include "brdf/brdf.h"
 
 #include <string.h>
@@ -96,42 +92,6 @@ static unsigned smooth_lobes(const struct brdf *b, vec3 wo, vec3 wi, unsigned lo
     return sides < 0.0f && !b->opaque ? lobes & BRDF_THROUGH : 0;
 }
 
-// Whether bump or normal map i has rotated the frame.
-static bool is_rotated(const struct brdf *b, int i) {
-    return b->base[i].x != 0.0f || b->base[i].y != 0.0f || b->base[i].z != 0.0f;
-}
-
-// The fraction of light from direction `light` that bump shadowing leaves, where w is the other
-// direction or `light` itself. Both are local to the rotated frame.
-static float bump_shadowing(const struct brdf *b, vec3 w, vec3 light) {
-    float left = 1.0f;
-    for (int i = 0; i < BRDF_BUMPS_MAX && is_rotated(b, i); i++) {
-        if (!(v3_dot(b->base[i], w) * w.z > 0.0f)) return 0.0f;
-        float c = v3_dot(b->base[i], light), c2 = c * c;
-        if (b->bump[i] == 0.0f || !(c2 > 0.0f)) continue;
-        left *= 2.0f / (1.0f + sqrtf(1.0f + b->bump[i] * maxf(1.0f - c2, 0.0f) / c2));
-    }
-    return left;
-}
-
-static bool has_bump(const struct brdf *b) { return is_rotated(b, 0); }
-
-// A fit of the cosine-weighted mean, accurate to 0.2 %. With two maps it is the product of their
-// means.
-float brdf_bump_diffuse(const struct brdf *b) {
-    float mean = 1.0f;
-    for (int i = 0; i < BRDF_BUMPS_MAX; i++) {
-        float a = sqrtf(b->bump[i]);
-        mean *= 1.0f - b->bump[i] * (0.5006f / sqrtf(maxf(a, 1e-6f)) - 0.2735f);
-    }
-    return mean;
-}
-
-float brdf_bump_glossy(const struct brdf *b, vec3 wo) {
-    vec3 mirror = v3(-wo.x, -wo.y, wo.z);
-    return has_bump(b) ? bump_shadowing(b, mirror, mirror) : 1.0f;
-}
-
 bool brdf_is_sharp(const struct brdf *b, vec3 wo, vec3 wi, float most) {
     if (!(most < INFINITY) || !(b->model->lobes & BRDF_GLOSSY)) return false;
     return brdf_pdf(b, wo, wi, BRDF_GLOSSY) > most;
@@ -159,13 +119,13 @@ rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     lobes = smooth_lobes(b, wo, wi, lobes);
     if (!lobes) return rgb_grey(0.0f);
     rgb f = eval_smooth(b, wo, wi, lobes, BRDF_RADIANCE);
-    return has_bump(b) ? rgb_scale(f, bump_shadowing(b, wi, wi)) : f;
+    return brdf_has_bump(b) ? rgb_scale(f, brdf_bump_toward(b, wi, wi)) : f;
 }
 
 float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     struct lobe_probability s;
     if (!smooth_lobes(b, wo, wi, lobes) || !find_probabilities(b, wo, lobes, &s)) return 0.0f;
-    if (has_bump(b) && bump_shadowing(b, wi, wi) == 0.0f) return 0.0f;
+    if (brdf_has_bump(b) && brdf_bump_toward(b, wi, wi) == 0.0f) return 0.0f;
     return pdf_smooth(b, wo, wi, lobes, s);
 }
 
@@ -208,8 +168,8 @@ bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, vec2 u, unsigne
     float pdf = side ? pdf_smooth(b, wo, wi, lobes, s) : 0.0f;
     if (!(pdf > 0.0f)) return false;
     rgb f = eval_smooth(b, wo, wi, side, mode);
-    if (has_bump(b)) {
-        float left = bump_shadowing(b, wi, mode == BRDF_RADIANCE ? wi : wo);
+    if (brdf_has_bump(b)) {
+        float left = brdf_bump_toward(b, wi, mode == BRDF_RADIANCE ? wi : wo);
         if (left == 0.0f) return false;
         f = rgb_scale(f, left);
     }
@@ -227,8 +187,8 @@ bool brdf_sample_wi(const struct brdf *b, vec3 wo, float u_lobe, vec2 u, unsigne
 
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]) {
     int n = b->model->delta ? b->model->delta(b, wo, mode, out) : 0;
-    for (int i = 0; i < n && has_bump(b); i++) {
-        float left = bump_shadowing(b, out[i].wi, mode == BRDF_RADIANCE ? out[i].wi : wo);
+    for (int i = 0; i < n && brdf_has_bump(b); i++) {
+        float left = brdf_bump_toward(b, out[i].wi, mode == BRDF_RADIANCE ? out[i].wi : wo);
         out[i].weight = rgb_scale(out[i].weight, left);
     }
     return n;
@@ -244,6 +204,7 @@ bool brdf_facet(const struct brdf *b, vec3 wo, vec2 u, enum brdf_mode mode,
     b->model->eval(b, wo, delta->wi, &diffuse, &glossy);
     delta->weight = rgb_scale(glossy, delta->wi.z / pdf);
     const vec3 light = mode == BRDF_RADIANCE ? delta->wi : wo;
-    if (has_bump(b)) delta->weight = rgb_scale(delta->weight, bump_shadowing(b, delta->wi, light));
+    if (brdf_has_bump(b))
+        delta->weight = rgb_scale(delta->weight, brdf_bump_toward(b, delta->wi, light));
     return true;
 }

@@ -262,10 +262,13 @@ bool brdf_facet(const struct brdf *b, vec3 wo, vec2 u, enum brdf_mode mode,
 rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
 
 // The factor of bump shadowing where light is not evaluated by direction: for the diffuse lobe the
-// mean over uniform light, for the glossy lobe the value at the mirror direction of wo. 1 without a
-// map.
+// mean over uniform light, in (0, 1]; for the glossy lobe the value at the mirror direction of wo.
+// 1 without a map (brdf_bump.c).
 float brdf_bump_diffuse(const struct brdf *b);
 float brdf_bump_glossy(const struct brdf *b, vec3 wo);
+// The fraction of light from wi that bump shadowing leaves: 0 if wi is above the surface or the
+// facet alone, 1 without a map.
+float brdf_bump_shadowing(const struct brdf *b, vec3 wi);
 
 // Harmonics of the glossy lobe [K05 2.5, 3.4]: the coefficients of f_r cos(theta_i) for outgoing
 // directions on a parabolic map, with the least order whose error of the reflected radiance meets

@@ -6,6 +6,9 @@
 
 #include "cache/cache_records.h"
 
+// Facets whose cosine with the surface is larger have less than .01 % of E behind them.
+#define CACHE_FACET_COSINE 0.9998f
+
 // A point at which interpolated light is needed.
 struct cache_lookup {
     vec3 p, n;               // position, and normal without bump and normal maps
@@ -67,14 +70,27 @@ static inline rgb cache_taylor_mean(const struct cache_taylor *sum, float weight
     return rgb_make(mean[0], mean[1], mean[2]);
 }
 
+// What the rotation of E by its gradient leaves out on a facet: it counts the light between the
+// surface and the plane of the facet, which is behind the facet, as negative. Under radiance that
+// is linear in the direction along the surface, with this E and gradient, the light there is
+// E (1 - cos t) / 2 - t / pi dE for an angle t, where dE is the change by the gradient.
+static inline float cache_taylor_behind(float E, float cosine, float dE) {
+    return at_least(0.5f * (1.0f - cosine) * E - acosf(at_least(cosine, -1.0f)) / PI_F * dE, 0.0f);
+}
+
 // E on a facet that is rotated from the normal n to `facing`, where E and its rotation gradient are
 // those of the normal `from`.
 static inline struct cache_taylor cache_taylor_rotate(const struct cache_irradiance_value *value,
                                                       vec3 from, vec3 n, vec3 facing) {
-    const float cosine = minf(v3_dot(n, facing), 1.0f);
-    struct cache_taylor t = {{cosine * value->E.r, cosine * value->E.g, cosine * value->E.b},
-                             .rotation = v3_cross(from, facing)};
-    for (int c = 0; c < 3; c++) t.rotation_grad[c] = value->grad_r[c];
+    const float cosine = minf(v3_dot(n, facing), 1.0f), E[] = {value->E.r, value->E.g, value->E.b};
+    const vec3 rotation = v3_cross(n, facing);
+    struct cache_taylor t = {.rotation = v3_cross(from, facing)};
+    for (int c = 0; c < 3; c++) {
+        t.value[c] = cosine * E[c];
+        if (cosine < CACHE_FACET_COSINE)
+            t.value[c] += cache_taylor_behind(E[c], cosine, v3_dot(rotation, value->grad_r[c]));
+        t.rotation_grad[c] = value->grad_r[c];
+    }
     return t;
 }
 

@@ -140,19 +140,14 @@ float photon_disc_weight(const struct photon_disc *disc, int i) {
     return disc->scale * photon_kernel_weight(disc->kernel, d2 / disc->r2);
 }
 
-// The factor of a photon's power for irradiance of the plane of the shading normal, by which BRDFs
-// and so reflected light are defined [Veach 1997, 5.3.2].
-static float tilt_of(const struct photon *photon) {
-    return 1.0f + PHOTON_TILT_UNIT * (float)photon->tilt;
-}
-
 rgb photon_disc_irradiance_within(const struct photon_disc *disc, int bounces) {
     rgb E = rgb_grey(0.0f);
     for (int i = 0; i < disc->count; i++) {
         const float weight = photon_disc_weight(disc, i);
         if (!(weight > 0.0f)) continue;
         const struct photon *photon = &disc->map->photon[disc->row[i]];
-        if (photon->bounces <= bounces) E = rgb_mad(E, photon->power, weight * tilt_of(photon));
+        if (photon->bounces <= bounces)
+            E = rgb_mad(E, photon->power, weight * photon_unpack_tilt(photon->tilt));
     }
     return E;
 }
@@ -166,7 +161,8 @@ rgb photon_disc_last(const struct photon_disc *disc) {
     for (int i = 0; i < disc->count; i++) {
         const float weight = photon_disc_weight(disc, i);
         const struct photon *photon = &disc->map->photon[disc->row[i]];
-        if (weight > 0.0f && photon->last) E = rgb_mad(E, photon->power, weight * tilt_of(photon));
+        if (weight > 0.0f && photon->last)
+            E = rgb_mad(E, photon->power, weight * photon_unpack_tilt(photon->tilt));
     }
     return E;
 }
@@ -180,7 +176,7 @@ float photon_disc_variance(const struct photon_disc *disc) {
     float sum = 0.0f;
     for (int i = 0; i < disc->count; i++) {
         const struct photon *photon = &disc->map->photon[disc->row[i]];
-        const float weight = photon_disc_weight(disc, i) * tilt_of(photon);
+        const float weight = photon_disc_weight(disc, i) * photon_unpack_tilt(photon->tilt);
         if (!(weight > 0.0f)) continue;
         const rgb c = photon->power;
         const float together = 1.0f + (float)photon->copies;

@@ -128,6 +128,20 @@ uint32_t photon_pack(vec3 w) {
     return (uint32_t)(a & 0xffff) | (uint32_t)b << 16;
 }
 
+// Steps of the logarithm per octave; -128 is 0.
+#define TILT_STEPS 42.0f
+
+int8_t photon_pack_tilt(float factor) {
+    if (!(factor > 0.0615f)) return INT8_MIN;
+    const float octaves = log2f(minf(factor, PHOTON_TILT_MOST));
+    return (int8_t)lrintf(maxf(TILT_STEPS * octaves, -127.0f));
+}
+
+float photon_unpack_tilt(int8_t packed) {
+    if (packed == 0) return 1.0f;
+    return packed == INT8_MIN ? 0.0f : exp2f((float)packed / TILT_STEPS);
+}
+
 vec3 photon_unpack(uint32_t packed) {
     float x = (float)(int16_t)(packed & 0xffffu) * (1.0f / 32767.0f),
           y = (float)(int16_t)(packed >> 16) * (1.0f / 32767.0f);

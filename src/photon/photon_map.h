@@ -20,9 +20,8 @@ enum {
 enum { PHOTON_BOUNCES_MOST = UINT8_MAX };
 
 // The most that a shading normal which is tilted towards a photon raises its power, as the few
-// photons at grazing angles would be very bright, and the unit in which this is stored.
+// photons at grazing angles would be very bright.
 #define PHOTON_TILT_MOST 8.0f
-#define PHOTON_TILT_UNIT 0.0625f
 
 // A photon as it was traced.
 struct photon_hit {
@@ -32,8 +31,7 @@ struct photon_hit {
     uint8_t bounces;    // number of its bounces before, at most PHOTON_BOUNCES_MOST
     bool last : 1;      // whether it has bounced as often as photons may
     bool indirect : 1;  // whether it is of class PHOTON_INDIRECT
-    int8_t tilt;     // the cosine of wi with the shading normal over that with n, less 1, in units
-                     // of PHOTON_TILT_UNIT
+    int8_t tilt;        // see photon_pack_tilt
     uint8_t copies;  // of a divided photon: how many of its copies an estimate there counts, apart
                      // from this one
 };
@@ -52,6 +50,14 @@ struct photon {
 // most 7e-5 rad.
 uint32_t photon_pack(vec3 w);
 vec3 photon_unpack(uint32_t packed);
+
+// Packs the factor of a photon's power for irradiance of the plane of the shading normal, by which
+// BRDFs and so reflected light are defined [Veach 1997, 5.3.2]: the cosine of wi with this normal
+// over that with n, times the shadowing by the slopes of a bump or normal map. It is at
+// most PHOTON_TILT_MOST. A factor of .12 and more has an error of at most .83 %, 1 none, and one
+// below .06 becomes 0.
+int8_t photon_pack_tilt(float factor);
+float photon_unpack_tilt(int8_t packed);
 
 // The least cosine between normals of one surface within the disc of a density estimate.
 #define PHOTON_FACING 0.5f

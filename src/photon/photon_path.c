@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Follows one photon: it scatters, and is stored where a smooth lobe could reflect it. Scattering
 // ends by Russian roulette with the albedo, which keeps the photons' powers equal [Jensen 2001].
-// Shading normals have the factor of the adjoint BSDF [Veach 1997, 5.3.2], which can make a photon
-// much stronger than others: then it is split.
+// The adjoint BSDF of shading normals (photon_scatter.c) can make a photon much stronger than
+// others: then it is split.
 #include "photon/photon_path.h"
 
 #include "base/array.h"
-#include "base/sampling.h"
+#include "photon/photon_scatter.h"
 
 enum {
     BOUNCES_MAX = 1000,  // ends paths that a mirror with albedo 1 would continue for ever
     SPLIT_MOST = 64      // a bound of time alone: photons grow so much once in thousands of bounces
 };
-
-// Normals whose cosine is larger count as equal: of the directions by the cosine about one of them,
-// one in 2,500 has a cosine about the other that is over 1.5 times larger.
-static const float TILTED_COSINE = 0.9998f;
 
 static bool append(struct photon_stored *photons, struct photon_hit hit, enum photon_class class) {
     void *items = photons->hit;
@@ -46,14 +42,17 @@ static int8_t tilt_by_normal(const struct satin_scene *scene, const struct inter
     const struct material_side *side = scene_draw_component(scene, s, n);
     struct frame frame = scene_component_frame(scene, side, s, n);
     struct brdf brdf;
-    if (scene_bump_used(&side->bump[0]) && !scene_component_brdf(scene, side, s, n, &brdf, &frame))
-        return 0;
+    float shadowing = 1.0f;
+    if (scene_bump_used(&side->bump[0])) {
+        if (!scene_component_brdf(scene, side, s, n, &brdf, &frame)) return 0;
+        if (!brdf_transmits(&brdf))
+            shadowing = brdf_bump_shadowing(&brdf, frame_to_local(&frame, wi));
+    }
     const vec3 m = v3_dot(frame.n, n) < 0.0f ? v3_neg(frame.n) : frame.n;
     const float in_s = v3_dot(wi, m), in_g = v3_dot(wi, n);
     if (!(in_g > 0.0f)) return 0;
     const bool behind = in_s < 0.0f && !brdf_transmits(&side->base);
-    const float factor = behind ? 0.0f : minf(fabsf(in_s), PHOTON_TILT_MOST * in_g) / in_g;
-    return (int8_t)lrintf((factor - 1.0f) / PHOTON_TILT_UNIT);
+    return photon_pack_tilt(behind ? 0.0f : shadowing * fabsf(in_s) / in_g);
 }
 
 // Where a mask lets some photons pass, the others represent all that would hit a surface without
@@ -111,87 +110,29 @@ struct photon_walk {
     struct photon_chunk *chunk;
 };
 
-// Where a photon is scattered.
-struct path_surface {
-    const struct interaction *s;
-    vec3 wi, n;  // n: the normal of the surface on the side of wi
-    struct brdf brdf;
-    struct frame frame;
-};
-
 static double luminous(const struct photon_path *photon) {
     return (double)rgb_luminance(photon->power);
 }
 
-// Whether directions are drawn about the surface's normal too: where a photon meets a smooth lobe
-// about another normal. What transmits is left out, as half of its directions are on the other
-// side.
-static bool is_tilted(const struct path_surface *at, unsigned lobes) {
-    return lobes == BRDF_ALL && fabsf(v3_dot(at->frame.n, at->n)) < TILTED_COSINE &&
-           brdf_lobes(&at->brdf) & BRDF_SMOOTH && !brdf_transmits(&at->brdf);
-}
-
-// Draws the direction of a photon that is scattered about a tilted normal. The cosine about that
-// normal is small where that about the surface's need not be, and their ratio has no limit. So half
-// of the directions of smooth lobes are drawn by the cosine about the surface's normal.
-static bool draw_tilted(const struct path_surface *at, const float u[3], struct brdf_sample *out) {
-    const vec3 wi_l = frame_to_local(&at->frame, at->wi);
-    const vec2 direction = {u[1], u[2]};
-    float pdf_surface;
-    if (u[0] < 0.5f) {
-        const struct frame flat = frame_from_normal(at->n);
-        const vec3 wo = frame_to_world(&flat, sample_cosine_hemisphere(u[1], u[2]));
-        const vec3 wo_l = frame_to_local(&at->frame, wo);
-        *out = (struct brdf_sample){.wi = wo_l, .lobe = BRDF_DIFFUSE, .eta = 1.0f};
-        out->pdf_w = brdf_pdf(&at->brdf, wi_l, wo_l, BRDF_ALL);
-        // The viewer is where the photon goes, and the slopes of a map shadow where it comes from.
-        out->weight = rgb_scale(brdf_eval(&at->brdf, wo_l, wi_l, BRDF_SMOOTH), fabsf(wo_l.z));
-        pdf_surface = v3_dot(wo, at->n) / PI_F;
-    } else {
-        const float u_lobe = sample_rest(u[0], 0.5f);
-        if (!brdf_sample_wi(&at->brdf, wi_l, u_lobe, direction, BRDF_ALL, BRDF_POWER, out))
-            return false;
-        out->weight = rgb_scale(out->weight, out->lobe & BRDF_DELTA ? 2.0f : out->pdf_w);
-        if (out->lobe & BRDF_DELTA) return true;
-        pdf_surface = v3_dot(frame_to_world(&at->frame, out->wi), at->n) / PI_F;
-    }
-    const float pdf = 0.5f * (out->pdf_w + fmaxf(pdf_surface, 0.0f));
-    if (!(pdf > 0.0f)) return false;
-    out->weight = rgb_scale(out->weight, 1.0f / pdf);
-    return true;
-}
-
-// Draws the scattered direction, in the frame, and its weight.
-static bool draw_scattered(const struct photon_walk *walk, const struct path_surface *at,
-                           struct brdf_sample *out) {
-    const float u_lobe = rng_float(walk->rng), x = rng_float(walk->rng), y = rng_float(walk->rng);
-    if (is_tilted(at, walk->lobes)) return draw_tilted(at, (float[]){u_lobe, x, y}, out);
-    return brdf_sample_wi(&at->brdf, frame_to_local(&at->frame, at->wi), u_lobe, (vec2){x, y},
-                          walk->lobes, BRDF_POWER, out);
-}
-
-// How much more of a photon's power the shading normal takes than the surface: the factor of the
-// adjoint BSDF that does not depend on the scattered direction.
-static float factor_in(const struct path_surface *at) {
-    return fabsf(v3_dot(at->wi, at->frame.n)) / fabsf(v3_dot(at->wi, at->n));
-}
-
 // The number of photons into which one is split before it is scattered, so that those which go on
 // have the power with which the path began.
-static int split_count(const struct photon_walk *walk, const struct path_surface *at,
+static int split_count(const struct photon_walk *walk, const struct photon_surface *at,
                        const struct photon_path *photon) {
-    const float power = rgb_max(photon->power) * fmaxf(factor_in(at), 1.0f);
+    float factor = 1.0f;
+    for (int i = 0; i < at->facets; i++)
+        factor = fmaxf(factor, photon_factor_in(at, &at->facet[i].frame));
+    const float power = rgb_max(photon->power) * factor;
     return power < 1.5f * walk->unit ? 1 : (int)fminf(rintf(power / walk->unit), SPLIT_MOST);
 }
 
 // Scatters the photon. False if it is absorbed, or refused because its power is not finite.
-static bool scatter(const struct photon_walk *walk, const struct path_surface *at,
+static bool scatter(const struct photon_walk *walk, const struct photon_surface *at,
                     struct photon_path *photon) {
-    struct brdf_sample sample;
-    if (!draw_scattered(walk, at, &sample)) return false;
-    const vec3 wo = frame_to_world(&at->frame, sample.wi);
-    const float adjoint = factor_in(at) * fabsf(v3_dot(wo, at->n)) / fabsf(v3_dot(wo, at->frame.n));
-    const rgb power = rgb_scale(rgb_mul(photon->power, sample.weight), adjoint);
+    struct photon_scattered to;
+    if (!photon_scatter(at, walk->lobes, walk->rng, &to)) return false;
+    const float factor_out = fabsf(v3_dot(to.wo, at->n)) / fabsf(v3_dot(to.wo, to.frame.n));
+    const rgb power = rgb_scale(rgb_mul(photon->power, to.sample.weight),
+                                photon_factor_in(at, &to.frame) * factor_out);
     if (!rgb_finite(power)) {
         walk->chunk->refused++;
         return false;
@@ -200,32 +141,30 @@ static bool scatter(const struct photon_walk *walk, const struct path_surface *a
     if (!(after > 0.0f)) return false;
     const float survival = fminf(after / walk->unit, 1.0f);
     if (rng_float(walk->rng) >= survival) return false;
-    if (!(sample.lobe & BRDF_DELTA))
+    if (!(to.sample.lobe & BRDF_DELTA))
         photon->class = PHOTON_INDIRECT;
     else if (photon->class == PHOTON_DIRECT)
         light_chain_pass(&photon->chain, walk->scene, at->s, at->wi,
-                         frame_to_local(&at->frame, at->wi), &sample);
+                         frame_to_local(&to.frame, at->wi), &to.sample);
     photon->power = rgb_scale(power, 1.0f / survival);
-    photon->ray = scene_spawn(walk->scene, at->s->p, at->s->ng, wo);
+    photon->ray = scene_spawn(walk->scene, at->s->p, at->s->ng, to.wo);
     return true;
 }
 
 // Stores the photon where it hits. False if it ends there.
 static bool arrive(const struct photon_walk *walk, struct photon_path *photon, int bounce,
-                   struct path_surface *at, struct interaction *s) {
+                   struct photon_surface *at, struct interaction *s) {
     if (!scene_intersect(walk->scene, &photon->ray, s)) {
         walk->chunk->power.escaped += luminous(photon);
         return false;
     }
     photon->bounces = (uint8_t)(bounce < PHOTON_BOUNCES_MOST ? bounce : PHOTON_BOUNCES_MOST);
     photon->last = bounce == walk->bounces;
-    at->s = s;
-    at->wi = v3_neg(photon->ray.d);
-    at->n = v3_dot(s->ng, at->wi) < 0.0f ? v3_neg(s->ng) : s->ng;
-    if (photon->wanted >> class_of(photon) & 1u && stores_photons(walk->scene, s, at->wi) &&
+    const vec3 wi = v3_neg(photon->ray.d);
+    if (photon->wanted >> class_of(photon) & 1u && stores_photons(walk->scene, s, wi) &&
         !store_photon(walk->scene, walk->chunk, s, photon))
         return false;
-    if (scene_brdf(walk->scene, s, at->wi, &at->brdf, &at->frame)) return true;
+    if (photon_surface_make(walk->scene, s, wi, at)) return true;
     walk->chunk->power.absorbed += luminous(photon);
     return false;
 }
@@ -234,7 +173,7 @@ static void follow(const struct photon_walk *walk, struct photon_path photon, in
     const int most = walk->bounces < 0 ? BOUNCES_MAX : walk->bounces;
     for (; bounce <= most; bounce++) {
         struct interaction s;
-        struct path_surface at;
+        struct photon_surface at;
         if (!arrive(walk, &photon, bounce, &at, &s)) return;
         const int count = split_count(walk, &at, &photon);
         photon.power = rgb_scale(photon.power, 1.0f / (float)count);
