@@ -41,9 +41,29 @@ static void mean_shadowing_is_that_of_even_light(void **state) {
     }
 }
 
+// A map that tilts by a, around another one that tilts the facet by b more, to either side.
+static void two_maps_hide_light_between_their_facets(void **state) {
+    (void)state;
+    const float outer = 0.6f, inner[] = {-1.0f, -0.5f, 0.3f, 0.7f};
+    for (int i = 0; i < 4; i++) {
+        const float angle = outer + inner[i];
+        struct brdf b = {.model = brdf_find("diffuse"),
+                         .base = {v3(-sinf(angle), 0.0f, cosf(angle)),
+                                  v3(-sinf(inner[i]), 0.0f, cosf(inner[i]))},
+                         .bump = {0.125f * sqrf(tanf(outer)), 0.125f * sqrf(tanf(inner[i]))}};
+        const vec3 facet = facet_normal(angle);
+        const double expected = facet_irradiance(facet, shadowed_radiance, &b) /
+                                facet_irradiance(facet, even_radiance, NULL);
+        print_message("%.1f and %4.1f rad: %.4f, %.4f expected\n", (double)outer, (double)inner[i],
+                      (double)brdf_bump_diffuse(&b), expected);
+        assert_true(fabs((double)brdf_bump_diffuse(&b) - expected) < 0.02);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mean_shadowing_is_that_of_even_light),
+        cmocka_unit_test(two_maps_hide_light_between_their_facets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
