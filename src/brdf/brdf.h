@@ -261,6 +261,12 @@ bool brdf_facet(const struct brdf *b, vec3 wo, vec2 u, enum brdf_mode mode,
 // AOVs and Russian roulette.
 rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
 
+// Whether bump or normal map i has rotated the frame, and whether any has.
+static inline bool brdf_is_rotated(const struct brdf *b, int i) {
+    return b->base[i].x != 0.0f || b->base[i].y != 0.0f || b->base[i].z != 0.0f;
+}
+static inline bool brdf_has_bump(const struct brdf *b) { return brdf_is_rotated(b, 0); }
+
 // The factor of bump shadowing where light is not evaluated by direction: for the diffuse lobe the
 // mean over uniform light, in (0, 1]; for the glossy lobe the value at the mirror direction of wo.
 // 1 without a map (brdf_bump.c).

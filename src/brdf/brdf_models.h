@@ -34,12 +34,6 @@ static inline bool brdf_isotropic(const struct brdf *b) {
     return !(b->model->slots & 1u << BRDF_SLOT_ALPHA_V) || b->alpha_u == b->alpha_v;
 }
 
-// Whether bump or normal map i has rotated the frame, and whether any has.
-static inline bool brdf_is_rotated(const struct brdf *b, int i) {
-    return b->base[i].x != 0.0f || b->base[i].y != 0.0f || b->base[i].z != 0.0f;
-}
-static inline bool brdf_has_bump(const struct brdf *b) { return brdf_is_rotated(b, 0); }
-
 // The fraction of light from direction `light` that bump shadowing leaves, where w is the other
 // direction or `light` itself (brdf_bump.c). Both are local to the rotated frame.
 float brdf_bump_toward(const struct brdf *b, vec3 w, vec3 light);

@@ -134,7 +134,9 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     const vec3 p = point->interaction.p, ng = point->ng, wo = point->wo_l;
     rgb E, estimated;
     int entry;
-    const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
+    // The irradiance of facets differs within a disc, so what a facet reflects depends on
+    // directions.
+    const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE && !brdf_has_bump(brdf);
     enum map_read source = READ_POINT;
     if (maps->area && (diffuse || maps->smooth))
         source = precomputed(maps, scene, p, ng, limits->bounces, &E, &entry);

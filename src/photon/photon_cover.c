@@ -179,7 +179,7 @@ static void add_rows(const struct photon_map *map, const struct cover_rows *rows
             photon_own_weight(map, rows->at[i], rows->n[i], entry->p, distance2[i], kernel);
         if (!(weight > 0.0f)) continue;
         const struct photon *photon = &map->photon[rows->at[i]];
-        entry->E = rgb_mad(entry->E, photon->power, weight);
+        entry->E = rgb_mad(entry->E, photon->power, weight * photon_unpack_tilt(photon->tilt));
         if (photon->bounces > entry->bounces) entry->bounces = photon->bounces;
     }
 }

@@ -55,7 +55,8 @@ static void photon_cover_setup(struct cover_case *c, int k) {
         const float power = 0.5f + rng_float(&rng);
         const vec3 p = photon_cover_position(&rng, i);
         const uint8_t bounces = (uint8_t)(rng_float(&rng) * 5.0f);
-        hit[i] = (struct photon_hit){p, rgb_grey(power), up, up, bounces, false, false, 0, 0};
+        const int8_t tilt = photon_pack_tilt(0.2f + 2.0f * rng_float(&rng));
+        hit[i] = (struct photon_hit){p, rgb_grey(power), up, up, bounces, false, false, tilt, 0};
     }
     assert_int_equal(
         photon_map_build(&c->scene.scene, hit, COUNT, c->pool, (struct log){0}, &c->map), SATIN_OK);
@@ -107,7 +108,7 @@ static rgb irradiance_of_all(const struct photon_map *map, vec3 p, vec3 n, int *
         const float d2 = v3_dist2(at, p);
         if (!(d2 < map->radius2[i])) continue;
         const float weight = photon_own_weight(map, i, n, p, d2, KERNEL_PARABOLA);
-        E = rgb_mad(E, map->photon[i].power, weight);
+        E = rgb_mad(E, map->photon[i].power, weight * photon_unpack_tilt(map->photon[i].tilt));
         if (weight > 0.0f && map->photon[i].bounces > *bounces) *bounces = map->photon[i].bounces;
     }
     return E;
