@@ -104,6 +104,20 @@ def caustic_gloss():
                  lamp("-y", (-0.6, 2.5, -0.4), (0.4, 0.4), 20, 19, 17))
 
 
+def caustic_bump():
+    paint = plugin("bsdf", "diffuse", rgb("reflectance", 0.6, 0.6, 0.6))
+    height, floor = waves("waves", paint, 0.3)
+    polished = plugin("bsdf", "conductor", value("string", "material", "none"), id="mirror")
+    return scene("A mirror sends light to a floor with steep waves in its normals, to all facets "
+                 "from one\n     side.", height,
+                 sensor((0, 2.2, 3.2), (0, 0.2, 0), 45), *PAINT, floor, polished,
+                 *room(2, 2.6, 3.4, floor="waves"),
+                 rectangle("+x", (-1.7, 0.8, 0), (1.2, 0.8), ref("mirror")),
+                 sphere((1, 1.2, 0.4), 0.3,
+                        plugin("bsdf", "diffuse", rgb("reflectance", 0, 0, 0)),
+                        area_light(16, 15, 13)))
+
+
 def mirror():
     polished = plugin("bsdf", "conductor", rgb("eta", 0.2, 0.2, 0.2), rgb("k", 4, 4, 4),
                       id="mirror")
@@ -301,6 +315,7 @@ def files():
     """Every file of scenes/cases as {path: bytes}."""
     scenes = {"spot": spot_beam(), "spot-lamp": spot_disk(), "corner": corner(),
               "thin-wall": thin_wall(), "backlit": backlit(), "caustic-gloss": caustic_gloss(),
+              "caustic-bump": caustic_bump(),
               "mirror": mirror(), "contact": contact(), "bump": bump(),
               "bump-walls": bump_walls(), "storeys": storeys(),
               "gap": gap(), "stairs": stairs(), "window": window(), "panes": panes(),

@@ -35,9 +35,10 @@ static enum map_read precomputed(const struct photon_maps *maps, const struct sa
 }
 
 // The factor that removes the noise of an estimate: the smoothed irradiance over that estimated at
-// the point. A channel without light stays black.
+// the point. It is 1 where the estimate has none: facets that viewers see mirrored may reflect
+// light that comes from behind the facets at its photons.
 static float smoothing_factor(float smoothed, float estimated) {
-    return estimated > 0.0f ? clampf(smoothed / estimated, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
+    return estimated > 0.0f ? clampf(smoothed / estimated, 1.0f / RATIO_MOST, RATIO_MOST) : 1.0f;
 }
 
 // The probability of looking up a caustic of about this irradiance. A low-frequency lobe reflects
@@ -99,6 +100,17 @@ static bool reflect_entry(const struct photon_maps *maps, int entry, rgb E, vec3
     return true;
 }
 
+// How the map is read at a point, and the irradiance of the nearest entry. Where all facets of a
+// map of normals face away from the light, their irradiance is black; but some of them are mirrored
+// for the viewer, and reflect it.
+static enum map_read read_map_at(const struct photon_maps *maps, const struct satin_scene *scene,
+                                 const struct shading_point *point, int bounces, rgb *E,
+                                 int *entry) {
+    const enum map_read source =
+        precomputed(maps, scene, point->interaction.p, point->ng, bounces, E, entry);
+    return rgb_black(*E) && *entry >= 0 && brdf_has_bump(&point->brdf) ? READ_POINT : source;
+}
+
 static struct photon_reflection caustic_reflection(const struct shading_point *point,
                                                    const struct photon_caustic_limits *limits) {
     struct photon_reflection at =
@@ -116,7 +128,7 @@ rgb photon_caustic_at_hit(const struct photon_maps *maps, const struct satin_sce
     const vec3 p = point->interaction.p, ng = point->ng;
     rgb E, L;
     int entry;
-    const enum map_read source = precomputed(maps, scene, p, ng, limits->bounces, &E, &entry);
+    const enum map_read source = read_map_at(maps, scene, point, limits->bounces, &E, &entry);
     if (source == READ_ENTRY && rgb_black(E)) return E;
     const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other, LOBE_LOOKUPS);
     if (!(other.u < chance)) return rgb_grey(0.0f);
@@ -139,7 +151,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE && !brdf_has_bump(brdf);
     enum map_read source = READ_POINT;
     if (maps->area && (diffuse || maps->smooth))
-        source = precomputed(maps, scene, p, ng, limits->bounces, &E, &entry);
+        source = read_map_at(maps, scene, point, limits->bounces, &E, &entry);
     if (source == READ_ENTRY && diffuse)
         return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), limits->lobes), E);
     if (source == READ_ENTRY && rgb_black(E)) return E;

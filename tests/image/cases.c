@@ -54,6 +54,7 @@ static const struct row cases_rows[] = {
     {"bump", "bump", {"floor", 0, 34, 64, 64}, {0.015, 0.04, 0.15}, 1},
     {"bump-walls", "bump-walls", {"room", 0, 0, 64, 64}, {0.01, 0.02, 0.15}, 1},
     {"caustic-gloss", "caustic-gloss", {"focus", 28, 38, 54, 52}, {0.02, 0.08, 0.2}, 1},
+    {"caustic-bump", "caustic-bump", {"floor", 0, 26, 64, 64}, {0.005, 0.02, 0.07}, 1},
     {"contact", "contact", {"foot of the chest", 8, 38, 42, 58}, {0.02, 0.06, 0.25}, 1},
     {"corner", "corner", {"corner", 18, 18, 46, 50}, {0.01, 0.03, 0.11}, 1},
     {"gap", "gap", {"floor", 0, 40, 64, 64}, {0.02, 0.04, 0.1}, 1},
