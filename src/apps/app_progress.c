@@ -56,7 +56,7 @@ static void on_signal(int number) {
 }
 
 void app_catch_signals(void) {
-    static const int stop[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int stop[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
     struct sigaction before, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     struct sigaction timer = {.sa_handler = on_alarm, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);

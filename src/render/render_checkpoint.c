@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/background.h"
 #include "base/fileio.h"
 #include "base/text.h"
 #include "render/options_table.h"
@@ -23,6 +24,7 @@ struct render_checkpoint {
     bool reading;                     // its entries are read; else they are written
     bool due;                         // a pass was stopped so that its state is written
     double written;                   // wall clock when the state of the image was written
+    struct background writer;         // of the last state; see begin_writer
 };
 
 bool render_has_checkpoint(const struct render *r) { return r->callbacks.checkpoint; }
@@ -184,6 +186,7 @@ satin_status render_checkpoint_check(const struct render *r, satin_status status
 
 void render_checkpoint_free(struct render *r) {
     if (!r->checkpoint) return;
+    render_checkpoint_end(r);
     render_checkpoint_file_close(r->checkpoint->file);
     free(r->checkpoint->identity);
     free(r->checkpoint);
@@ -231,18 +234,57 @@ bool render_checkpoint_pause(struct render *r) {
     return due;
 }
 
-void render_checkpoint_write(struct render *r) {
-    struct render_checkpoint *c = r->checkpoint;
-    if (!c || !c->file) return;
+// A background_fn: writes the state of the image.
+static bool write_state(void *ctx, struct log log) {
+    const struct render *r = ctx;
+    const struct render_checkpoint *c = r->checkpoint;
     struct bytes state = {0};
     const struct bytes identity = identity_bytes(c);
     render_image_pack(r->image, &state);
     const satin_status status =
         state.failed
-            ? log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->callbacks.checkpoint)
-            : render_checkpoint_file_replace(c->file, &identity, &state, r->log);
+            ? log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->callbacks.checkpoint)
+            : render_checkpoint_file_replace(c->file, &identity, &state, log);
     bytes_free(&state);
-    note_failure(r, status);
+    return status == SATIN_OK;
+}
+
+// Begins to write the state, the last one, in a copy of this process, as mpirun kills this one
+// within a second after it was interrupted.
+static bool begin_writer(struct render *r, background_fn write) {
+    struct render_checkpoint *c = r->checkpoint;
+    background_stop(&c->writer);
+    return r->callbacks.ranks && render_cancelled(r) &&
+           background_begin(&c->writer, render_checkpoint_file_number(c->file), write, r);
+}
+
+// A background_fn: writes the state with the samples of this rank alone.
+static bool write_own_state(void *ctx, struct log log) {
+    struct render *r = ctx;
+    render_pass_collect_own(r->image->pass);
+    return write_state(r, log);
+}
+
+void render_checkpoint_interrupt(struct render *r) {
+    const struct render_checkpoint *c = r->checkpoint;
+    const bool samples = r->image && r->image->state == IMAGE_SAMPLING && r->image->begun;
+    if (c && c->file && !c->writer.pid && samples) begin_writer(r, write_own_state);
+}
+
+void render_checkpoint_write(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    if (!c || !c->file) return;
+    if (begin_writer(r, write_state)) {
+        render_checkpoint_file_close(c->file);
+        c->file = NULL;
+        return;
+    }
+    note_failure(r, write_state(r, r->log) ? SATIN_OK : SATIN_ERROR_IO);
     atomic_store(&r->image->progressed, false);
     c->written = stats_wall();
+}
+
+void render_checkpoint_end(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    if (c && !background_end(&c->writer, r->log)) r->outcome.checkpointed = SATIN_ERROR_IO;
 }

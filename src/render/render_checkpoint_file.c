@@ -12,6 +12,7 @@
 
 #include "base/fileio.h"
 #include "base/fileio_output.h"
+#include "base/stats.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files have the byte order of memory");
 
@@ -122,9 +123,18 @@ static satin_status check_head(const char *path, int fd, struct log log, bool *e
         memcmp(head.magic, checkpoint_magic, sizeof head.magic) != 0)
         return log_fail(log, SATIN_ERROR_INPUT,
                         "%s: the file exists and is not a checkpoint; it is not replaced", path);
-    if (flock(fd, LOCK_EX | LOCK_NB) != 0)
-        return log_fail(log, SATIN_ERROR_INPUT, "%s: another process uses this checkpoint", path);
     return SATIN_OK;
+}
+
+// How long a checkpoint is waited for that another process writes, as one that has just
+// been interrupted may.
+static const double LOCK_SECONDS = 10.0;
+
+// Locks an open file. False if another process uses it, or has replaced it meanwhile.
+static bool lock_file(const char *path, int fd) {
+    struct stat own, named;
+    return flock(fd, LOCK_EX | LOCK_NB) == 0 && fstat(fd, &own) == 0 && stat(path, &named) == 0 &&
+           own.st_dev == named.st_dev && own.st_ino == named.st_ino;
 }
 
 static satin_status check_version(const char *path, int fd, struct log log) {
@@ -140,16 +150,23 @@ static satin_status check_version(const char *path, int fd, struct log log) {
 // Opens the file for reading and writing and locks it. *exists is false if there is none, or an
 // empty one.
 static satin_status open_existing(const char *path, struct log log, bool *exists, int *fd) {
+    const double start = stats_wall();
     bool empty = true;
     *exists = false;
-    *fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
-    if (*fd >= 0) {
+    for (;;) {
+        *fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
+        if (*fd < 0 && errno == ENOENT) return SATIN_OK;
+        if (*fd < 0)
+            return log_fail(log, SATIN_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
         const satin_status status = check_head(path, *fd, log, &empty);
         *exists = !empty;
-        return status;
+        if (status != SATIN_OK || empty || lock_file(path, *fd)) return status;
+        if (stats_wall() - start > LOCK_SECONDS)
+            return log_fail(log, SATIN_ERROR_INPUT, "%s: another process uses this checkpoint",
+                            path);
+        close(*fd);
+        usleep(100000);
     }
-    if (errno == ENOENT) return SATIN_OK;
-    return log_fail(log, SATIN_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
 }
 
 // Replaces the open file by a new one with a head and an identity, which appear together.
@@ -200,6 +217,8 @@ void render_checkpoint_file_close(struct checkpoint_file *file) {
     close(file->fd);
     free(file);
 }
+
+int render_checkpoint_file_number(const struct checkpoint_file *file) { return file->fd; }
 
 // Copies the bytes [begin, end) of the file to the end of an output.
 static bool copy_range(const struct checkpoint_file *file, uint64_t begin, uint64_t end,

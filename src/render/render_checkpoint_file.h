@@ -22,7 +22,8 @@ struct checkpoint_file;
 satin_status render_checkpoint_file_open(const char *path, const struct bytes *identity,
                                          bool resume, struct log log, bool *resumed,
                                          struct checkpoint_file **out);
-void render_checkpoint_file_close(struct checkpoint_file *file);  // NULL is allowed
+void render_checkpoint_file_close(struct checkpoint_file *file);        // NULL is allowed
+int render_checkpoint_file_number(const struct checkpoint_file *file);  // of the open file
 
 // Sets *out to the next entry and goes to the one after it, if that can be: the state of an image
 // remains the next one, to be replaced. False if the next entry is of another kind, or damaged, or

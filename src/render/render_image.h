@@ -97,6 +97,7 @@ struct render_image {
     _Atomic int *tile_user;
     atomic_bool tiles_wanted;  // whether a snapshot waits for tiles that workers have
     enum image_state state;
+    struct image_pass *pass;  // that is running
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
     rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result
@@ -164,6 +165,8 @@ bool render_pass_make(struct image_pass *pass, struct render *r);
 void render_pass_destroy(struct image_pass *pass);
 // Takes samples until every pixel has its target. False if that was stopped early.
 bool render_pass_run(struct image_pass *pass);
+// Adds the counts of this rank's samples to those of the image.
+void render_pass_collect_own(struct image_pass *pass);
 
 // ---- The state as bytes (render_image_state.c)
 

@@ -177,16 +177,26 @@ static bool unpack_tiles(void *ctx, size_t begin, size_t end, struct bytes_reade
 static const struct parallel_results tiles_results = {
     .pack = pack_tiles, .unpack = unpack_tiles, .if_cancelled = true};
 
-// Adds the counts of all workers of all ranks to those of the image.
-static void collect_counts(struct image_pass *pass) {
-    struct parallel *pool = pass->r->pool;
-    struct shade_counts sum = {0}, *all = &pass->r->image->counts;
-    for (int i = 0; i < parallel_threads(pool); i++) {
+// Takes the counts of all workers of this rank.
+static struct shade_counts take_counts(struct image_pass *pass) {
+    struct shade_counts sum = {0};
+    for (int i = 0; i < parallel_threads(pass->r->pool); i++) {
         shade_counts_add(&sum, &pass->worker[i].shade.counts);
         pass->worker[i].shade.counts = (struct shade_counts){0};
     }
-    parallel_sum(pool, (uint64_t *)&sum, sizeof sum / sizeof(uint64_t));
-    shade_counts_add(all, &sum);
+    return sum;
+}
+
+// Adds the counts of all ranks to those of the image.
+static void collect_counts(struct image_pass *pass) {
+    struct shade_counts sum = take_counts(pass);
+    parallel_sum(pass->r->pool, (uint64_t *)&sum, sizeof sum / sizeof(uint64_t));
+    shade_counts_add(&pass->r->image->counts, &sum);
+}
+
+void render_pass_collect_own(struct image_pass *pass) {
+    const struct shade_counts sum = take_counts(pass);
+    shade_counts_add(&pass->r->image->counts, &sum);
 }
 
 bool render_pass_run(struct image_pass *pass) {
@@ -197,6 +207,7 @@ bool render_pass_run(struct image_pass *pass) {
     parallel_begin_part(r->pool, "image");
     for (;;) {
         image->state = first ? IMAGE_BEGINNING : IMAGE_SAMPLING;
+        image->pass = pass;
         const bool whole = parallel_for_results(r->pool, (size_t)pass->columns * rows, 1,
                                                 render_tiles, pass, &tiles_results);
         image->state = first && !whole ? IMAGE_EMPTY : IMAGE_PAUSED;

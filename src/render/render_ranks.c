@@ -20,6 +20,7 @@ static bool stopped_anywhere(void *user, bool stopped) {
     if (!ranks->any(ranks->user, stopped)) return false;
     const bool cancelled = ranks->any(ranks->user, render_cancelled(r));
     if (cancelled && !render_cancelled(r)) r->progress.cancelled_in = r->progress.stage;
+    if (cancelled) render_checkpoint_interrupt(r);
     return true;
 }
 

@@ -20,8 +20,9 @@ struct render *render_new(const satin_callbacks *callbacks) {
     return r;
 }
 
-satin_status render_final_status(const struct render *r, const satin_callbacks *callbacks,
+satin_status render_final_status(struct render *r, const satin_callbacks *callbacks,
                                  satin_status status) {
+    if (r) render_checkpoint_end(r);
     if (status == SATIN_OK) status = r->outcome.saved;
     if (status == SATIN_OK) status = r->outcome.checkpointed;
     if (status != SATIN_ERROR_MEMORY || (r && r->outcome.error_logged)) return status;

@@ -158,7 +158,7 @@ struct render *render_new(const satin_callbacks *callbacks);
 void render_free(struct render *r);  // NULL is allowed
 // The status of a render that has ended: its own or, if its images are complete, that of writing
 // its records and checkpoint. Logs that there is no memory, if nothing was logged. r may be NULL.
-satin_status render_final_status(const struct render *r, const satin_callbacks *callbacks,
+satin_status render_final_status(struct render *r, const satin_callbacks *callbacks,
                                  satin_status status);
 
 // ---- render_options.c: options and scene hints -> what is rendered
@@ -298,8 +298,14 @@ bool render_checkpoint_due(struct render *r);
 // To be called after a pass has stopped. If that was for the checkpoint, writes the state of the
 // image and returns true: the pass is to go on.
 bool render_checkpoint_pause(struct render *r);
-// Writes the state of the image, if there is a checkpoint.
+// Writes the state of the image, if there is a checkpoint. If ranks are cancelled, this is the last
+// one, and a copy of this process writes it.
 void render_checkpoint_write(struct render *r);
+// To be called when ranks are cancelled, before they exchange their samples: begins to write the
+// state with those of this rank, lest this process is killed before the others' are there.
+void render_checkpoint_interrupt(struct render *r);
+// Waits for the copy of this process, and sets r->outcome.checkpointed.
+void render_checkpoint_end(struct render *r);
 
 // ---- render_ranks.c: several processes
 // Whether this process writes files and messages: it is alone, or rank 0.
