@@ -34,8 +34,9 @@ bool parallel_cancelled(struct parallel *pool, int worker) {
     }
     if (worker != 0 || !pool->progress) return false;
     const struct satin_ranks *ranks = pool->division.running ? pool->division.ranks : NULL;
+    const double before = (double)pool->loop.before, all = before + (double)pool->loop.chunks;
     const double finished = (double)atomic_load(&pool->finished) * (ranks ? ranks->count : 1);
-    const double fraction = pool->chunks ? fmin(finished / (double)pool->chunks, 1.0) : 1.0;
+    const double fraction = all > 0.0 ? fmin((before + finished) / all, 1.0) : 1.0;
     if (!pool->progress(pool->progress_user, fraction)) return false;
     atomic_store(&pool->cancelled, true);
     return true;
@@ -44,25 +45,43 @@ bool parallel_cancelled(struct parallel *pool, int worker) {
 bool parallel_stopped(const struct parallel *pool) { return atomic_load(&pool->cancelled); }
 
 static size_t noted_chunks(const struct parallel *pool) {
-    return pool->chunks < CHUNKS_NOTED ? pool->chunks : CHUNKS_NOTED;
+    return pool->loop.chunks < CHUNKS_NOTED ? pool->loop.chunks : CHUNKS_NOTED;
+}
+
+// Whether this rank begins no further chunks, which the calling thread decides after a chunk of its
+// own.
+static bool pauses(struct parallel *pool, int worker) {
+    const struct parallel_journal *journal = pool->division.journal;
+    if (worker == 0 && pool->loop.state && journal && journal->due && journal->due(journal->user))
+        atomic_store(&pool->paused, true);
+    return atomic_load(&pool->paused);
+}
+
+static void run_chunk(struct parallel *pool, size_t chunk, int worker) {
+    const struct parallel_loop *loop = &pool->loop;
+    const size_t begin = chunk * loop->chunk_size;
+    const size_t end = loop->n - begin > loop->chunk_size ? begin + loop->chunk_size : loop->n;
+    loop->fn(loop->ctx, begin, end, worker);
+    // A chunk that was cancelled may be unfinished.
+    if (loop->state && !atomic_load(&pool->cancelled)) loop->state[chunk] = CHUNK_DONE;
+    atomic_fetch_add(&pool->finished, 1);
 }
 
 static void run_chunks(struct parallel *pool, int worker) {
     double sum = 0.0, before = stats_thread();
     while (!parallel_cancelled(pool, worker)) {
-        size_t chunk = pool->division.running ? parallel_take_chunk(pool)
-                                              : atomic_fetch_add(&pool->next_chunk, 1);
-        if (chunk >= pool->chunks) break;
-        size_t begin = chunk * pool->chunk_size;
-        size_t end = pool->n - begin > pool->chunk_size ? begin + pool->chunk_size : pool->n;
-        pool->fn(pool->ctx, begin, end, worker);
-        atomic_fetch_add(&pool->finished, 1);
+        const size_t position = pool->division.running ? parallel_take_chunk(pool)
+                                                       : atomic_fetch_add(&pool->next_chunk, 1);
+        if (position >= pool->loop.chunks) break;
+        run_chunk(pool, parallel_chunk_at(pool, position), worker);
         const double after = stats_thread();
-        if (chunk < CHUNKS_NOTED) pool->spent[chunk] = (float)(after - before);
+        if (position < CHUNKS_NOTED) pool->spent[position] = (float)(after - before);
         sum += after - before;
         before = after;
+        if (pauses(pool, worker)) break;
     }
-    if (pool->division.running && atomic_load(&pool->cancelled)) parallel_close_chunks(pool);
+    const bool ends = atomic_load(&pool->cancelled) || atomic_load(&pool->paused);
+    if (pool->division.running && ends) parallel_close_chunks(pool);
     pool->worker_spent[worker] = sum;
 }
 
@@ -139,6 +158,7 @@ void parallel_free(struct parallel *pool) {
     pthread_cond_destroy(&pool->wake);
     pthread_mutex_destroy(&pool->mutex);
     pthread_mutex_destroy(&pool->division.mutex);
+    free(pool->division.read.state);
     free(pool->helpers);
     free(pool->worker_spent);
     free(pool);
@@ -189,7 +209,7 @@ static void account_loop(struct parallel *pool) {
     for (size_t i = 0; i < noted; i++) noted_sum += (double)pool->spent[i];
     part->parallel_s += sum;
     part->imbalance_s += schedule(pool->spent, noted) - noted_sum / PARALLEL_MODEL;
-    part->loops += pool->chunks > 1;
+    part->loops += pool->loop.chunks > 1;
     const double wall = stats_wall();
     part->wall_s += wall - pool->wall;
     pool->wall = wall;
@@ -217,19 +237,15 @@ const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
 
 // ---- Loops --------------------------------------------------------------------------------------
 
-bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx) {
-    if (n == 0) return true;
+bool parallel_run(struct parallel *pool, const struct parallel_loop *loop) {
     account_serial(pool);
-    pool->fn = fn;
-    pool->ctx = ctx;
-    pool->n = n;
-    pool->chunk_size = chunk_size ? chunk_size : 1;
-    pool->chunks = n / pool->chunk_size + (n % pool->chunk_size != 0);
+    pool->loop = *loop;
     atomic_store(&pool->next_chunk, 0);
     atomic_store(&pool->finished, 0);
     atomic_store(&pool->cancelled, false);
+    atomic_store(&pool->paused, false);
     memset(pool->spent, 0, noted_chunks(pool) * sizeof *pool->spent);
-    if (pool->chunks > 1 && pool->started > 0) {
+    if (loop->chunks > 1 && pool->started > 0) {
         pthread_mutex_lock(&pool->mutex);
         pool->busy = pool->started;
         pool->generation++;
@@ -247,6 +263,14 @@ bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_f
                                                             atomic_load(&pool->cancelled)));
     account_loop(pool);
     return !atomic_load(&pool->cancelled);
+}
+
+bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx) {
+    if (n == 0) return true;
+    struct parallel_loop loop = {
+        .fn = fn, .ctx = ctx, .n = n, .chunk_size = chunk_size ? chunk_size : 1};
+    loop.chunks = n / loop.chunk_size + (n % loop.chunk_size != 0);
+    return parallel_run(pool, &loop);
 }
 
 void parallel_for_all(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,

@@ -71,17 +71,29 @@ struct parallel_results {
     bool (*unpack)(void *ctx, size_t begin, size_t end, struct bytes_reader *in);
     bool if_cancelled;  // whether the chunks that were begun are of use if the loop is cancelled
     bool journaled;     // whether the results are written to the journal
+    bool passing;       // of these, those that serve only until the results of a later loop are
+                        // written; they are written only if the loop takes long
+};
+
+// An entry of the journal: results of some chunks of a loop.
+struct parallel_entry {
+    bool passing;  // as in struct parallel_results
+    bool last;     // no further entry of this loop follows
 };
 
 // Keeps the results of loops, so that a later process need not run them again.
 struct parallel_journal {
     void *user;
-    // Sets *out to the results of the next loop and returns true, or returns false if there are no
-    // further ones.
-    bool (*read)(void *user, struct bytes *out);
-    // Appends the results of a loop.
-    void (*write)(void *user, const struct bytes *results);
+    // Sets *out to the next results, and entry->last, and returns true; or returns false if there
+    // are no further ones. `entry->passing` says which are asked for.
+    bool (*read)(void *user, struct parallel_entry *entry, struct bytes *out);
+    // Appends results.
+    void (*write)(void *user, struct parallel_entry entry, const struct bytes *results);
+    // Whether it is time to write what the running loop has done so far. NULL: it never is.
+    bool (*due)(void *user);
 };
+// Which loops the journal has.
+enum parallel_journaled { PARALLEL_NO_LOOPS, PARALLEL_PASSING_LOOPS, PARALLEL_ALL_LOOPS };
 
 // Sets the ranks that divide the loops with results; NULL: this process is alone. A loop is
 // cancelled on all of them if it is on one. `agree` is called by all ranks after each loop that can
@@ -89,9 +101,9 @@ struct parallel_journal {
 void parallel_set_ranks(struct parallel *pool, const struct satin_ranks *ranks,
                         bool (*agree)(void *user, bool cancelled), void *user);
 const struct satin_ranks *parallel_ranks(const struct parallel *pool);
-// Only rank 0 has a journal, of which `any` says on all ranks whether there is one. The struct must
-// stay valid.
-void parallel_set_journal(struct parallel *pool, const struct parallel_journal *journal, bool any);
+// Only rank 0 has a journal; `loops` is equal on all ranks. The struct must stay valid.
+void parallel_set_journal(struct parallel *pool, const struct parallel_journal *journal,
+                          enum parallel_journaled loops);
 // SATIN_ERROR_MEMORY if there was no memory for the results of a loop, SATIN_ERROR_INPUT if those
 // of the journal are not of that loop; else SATIN_OK. After a failure all loops are cancelled.
 satin_status parallel_status(const struct parallel *pool);
@@ -102,7 +114,8 @@ satin_status parallel_status(const struct parallel *pool);
 bool parallel_for_results(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
                           void *ctx, const struct parallel_results *results);
 // Takes the results of a loop from the journal, which saves what only chunks of that loop need.
-// False if the journal does not have them: then parallel_for_results is to be called for the loop.
+// False if the journal does not have all of them: then parallel_for_results is to be called for the
+// loop, with the same `ctx` and `results`, and runs the chunks that are missing.
 // If it has, parallel_status reports whether they could be read.
 bool parallel_read_results(struct parallel *pool, size_t n, size_t chunk_size, void *ctx,
                            const struct parallel_results *results);

@@ -8,16 +8,11 @@
 // each rank in turn sends the results of its chunks to all others.
 //
 // Results as bytes: the number of chunks, then for each its index, its size, and the result.
+//
+// A loop with a journal ends early when its results are due to be written, and then goes on with
+// the chunks that are left.
 #include "base/parallel_pool.h"
 #include "base/stats.h"
-
-// A loop with results.
-struct results_loop {
-    struct parallel *pool;
-    size_t n, chunk_size, chunks;
-    void *ctx;
-    const struct parallel_results *results;
-};
 
 void parallel_set_ranks(struct parallel *pool, const struct satin_ranks *ranks,
                         bool (*agree)(void *user, bool cancelled), void *user) {
@@ -30,9 +25,10 @@ const struct satin_ranks *parallel_ranks(const struct parallel *pool) {
     return pool->division.ranks;
 }
 
-void parallel_set_journal(struct parallel *pool, const struct parallel_journal *journal, bool any) {
+void parallel_set_journal(struct parallel *pool, const struct parallel_journal *journal,
+                          enum parallel_journaled loops) {
     pool->division.journal = journal;
-    pool->division.has_journal = any;
+    pool->division.journaled = loops;
 }
 
 satin_status parallel_status(const struct parallel *pool) { return pool->division.status; }
@@ -44,44 +40,66 @@ struct parallel_traffic parallel_get_traffic(const struct parallel *pool) {
 // ---- Division of the chunks ---------------------------------------------------------------------
 
 enum { RANGES_PER_RANK = 4 };  // a range is the fraction 1 / (ranks * this) of what is left
+// The counter of chunks that are closed is at least this, which no number of chunks is.
+static const uint64_t CHUNKS_CLOSED = 1ull << 40;
+// How often a rank that has a range asks whether the chunks were closed.
+static const double ASK_SECONDS = 0.25;
+
+// Takes the next range of chunks.
+static void take_range(struct parallel *pool) {
+    struct parallel_division *division = &pool->division;
+    const struct satin_ranks *ranks = division->ranks;
+    const size_t chunks = pool->loop.chunks, left = chunks - division->end;
+    const size_t fair = left / (RANGES_PER_RANK * (size_t)ranks->count);
+    const size_t range = fair > 1 ? fair : 1;
+    const uint64_t first = ranks->fetch_add(ranks->user, division->counter, range);
+    division->next = first < chunks ? (size_t)first : chunks;
+    division->end = chunks - division->next > range ? division->next + range : chunks;
+}
+
+// Leaves a range whose chunks others want to be written to the journal first.
+static void leave_range(struct parallel *pool) {
+    struct parallel_division *division = &pool->division;
+    const double now = stats_wall();
+    if (now - division->asked < ASK_SECONDS) return;
+    division->asked = now;
+    const struct satin_ranks *ranks = division->ranks;
+    if (ranks->fetch_add(ranks->user, division->counter, 0) >= CHUNKS_CLOSED)
+        division->next = division->end = pool->loop.chunks;
+}
 
 size_t parallel_take_chunk(struct parallel *pool) {
     struct parallel_division *division = &pool->division;
-    const struct satin_ranks *ranks = division->ranks;
     pthread_mutex_lock(&division->mutex);
-    if (division->next == division->end && division->end < pool->chunks) {
-        const size_t left = pool->chunks - division->end;
-        const size_t fair = left / (RANGES_PER_RANK * (size_t)ranks->count);
-        const size_t range = fair > 1 ? fair : 1;
-        const uint64_t first = ranks->fetch_add(ranks->user, division->counter, range);
-        division->next = first < pool->chunks ? (size_t)first : pool->chunks;
-        division->end =
-            pool->chunks - division->next > range ? division->next + range : pool->chunks;
+    if (pool->loop.state && division->next < division->end) leave_range(pool);
+    if (division->next == division->end && division->end < pool->loop.chunks) take_range(pool);
+    size_t position = pool->loop.chunks;
+    if (division->next < division->end) {
+        position = division->next++;
+        division->own[division->own_count++] = parallel_chunk_at(pool, position);
     }
-    size_t chunk = pool->chunks;
-    if (division->next < division->end)
-        chunk = division->own[division->own_count++] = division->next++;
     pthread_mutex_unlock(&division->mutex);
-    return chunk;
+    return position;
 }
 
 void parallel_close_chunks(struct parallel *pool) {
     struct parallel_division *division = &pool->division;
     pthread_mutex_lock(&division->mutex);
-    division->ranks->fetch_add(division->ranks->user, division->counter, pool->chunks);
-    division->next = division->end = pool->chunks;
+    division->ranks->fetch_add(division->ranks->user, division->counter, CHUNKS_CLOSED);
+    division->next = division->end = pool->loop.chunks;
     pthread_mutex_unlock(&division->mutex);
 }
 
 // Runs the loop, divided between the ranks, whose own chunks are in pool->division then. If it was
 // cancelled, no rank begins a further chunk. The two counters are used in turn: one is set to 0
 // when all ranks have left its loop, and used again after they have left another.
-static bool run_divided(const struct results_loop *loop, parallel_fn fn) {
-    struct parallel_division *division = &loop->pool->division;
+static bool run_divided(struct parallel *pool, const struct parallel_loop *loop) {
+    struct parallel_division *division = &pool->division;
     const struct satin_ranks *ranks = division->ranks;
     division->next = division->end = division->own_count = 0;
     division->running = true;
-    const bool whole = parallel_for(loop->pool, loop->n, loop->chunk_size, fn, loop->ctx);
+    division->asked = stats_wall();
+    const bool whole = parallel_run(pool, loop);
     division->running = false;
     if (ranks->rank == 0) ranks->reset(ranks->user, division->counter);
     division->counter = (division->counter + 1) % SATIN_RANKS_COUNTERS;
@@ -94,7 +112,7 @@ static size_t chunk_end(const struct results_loop *loop, size_t begin) {
     return loop->n - begin > loop->chunk_size ? begin + loop->chunk_size : loop->n;
 }
 
-static void pack_chunk(const struct results_loop *loop, size_t chunk, struct bytes *out) {
+void parallel_pack_chunk(const struct results_loop *loop, size_t chunk, struct bytes *out) {
     const size_t begin = chunk * loop->chunk_size, end = chunk_end(loop, begin);
     bytes_put_u64(out, chunk);
     const size_t size_at = out->count;
@@ -111,13 +129,14 @@ static void pack_chunk(const struct results_loop *loop, size_t chunk, struct byt
     memcpy(out->data + size_at, &size, sizeof size);
 }
 
-// SATIN_ERROR_INPUT if the bytes are not results of the loop, or those of a chunk before
-// *next, which becomes the chunk after this one.
+// SATIN_ERROR_INPUT if the bytes are not results of the loop, those of a chunk that is there, or
+// those of a chunk before *next, which becomes the chunk after this one.
 static satin_status unpack_chunk(const struct results_loop *loop, struct bytes_reader *in,
                                  uint64_t *next) {
     const uint64_t chunk = bytes_get_u64(in), size = bytes_get_u64(in);
     if (in->failed || chunk < *next || chunk >= loop->chunks || size > in->left)
         return SATIN_ERROR_INPUT;
+    if (loop->state && loop->state[chunk] != CHUNK_OPEN) return SATIN_ERROR_INPUT;
     *next = chunk + 1;
     struct bytes_reader one = {in->at, (size_t)size, false};
     in->at += size;
@@ -131,22 +150,21 @@ static satin_status unpack_chunk(const struct results_loop *loop, struct bytes_r
     const bool taken =
         one.failed || !loop->results->unpack || loop->results->unpack(loop->ctx, begin, end, &one);
     if (one.failed || (taken && one.left > 0)) return SATIN_ERROR_INPUT;
+    if (taken && loop->state) loop->state[chunk] = CHUNK_DONE;
     return taken ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
-// Chunks have rising indices: those of a rank, or all of them if there are `least`.
-static satin_status unpack_chunks(const struct results_loop *loop, const struct bytes *bytes,
-                                  size_t least) {
+satin_status parallel_unpack_chunks(const struct results_loop *loop, const struct bytes *bytes) {
     struct bytes_reader in = {bytes->data, bytes->count, false};
     const uint64_t count = bytes_get_u64(&in);
     uint64_t next = 0;
-    satin_status status = count < least || count > loop->chunks ? SATIN_ERROR_INPUT : SATIN_OK;
+    satin_status status = count > loop->chunks ? SATIN_ERROR_INPUT : SATIN_OK;
     for (uint64_t i = 0; i < count && status == SATIN_OK; i++)
         status = unpack_chunk(loop, &in, &next);
     return status == SATIN_OK && (in.failed || in.left > 0) ? SATIN_ERROR_INPUT : status;
 }
 
-// ---- Exchange and journal -----------------------------------------------------------------------
+// ---- Exchange -----------------------------------------------------------------------------------
 
 // Sends the bytes of rank `root` to all others.
 static satin_status broadcast_bytes(const struct satin_ranks *ranks, int root,
@@ -169,20 +187,32 @@ static satin_status broadcast_bytes(const struct satin_ranks *ranks, int root,
     return SATIN_OK;
 }
 
+// The chunks of this rank: those that it has begun, or of a loop with a journal has ended.
+static void pack_own(const struct results_loop *loop, struct bytes *out) {
+    const struct parallel_division *division = &loop->pool->division;
+    uint64_t count = 0;
+    bytes_put_u64(out, 0);
+    for (size_t i = 0; i < division->own_count; i++) {
+        if (loop->state && loop->state[division->own[i]] == CHUNK_OPEN) continue;
+        parallel_pack_chunk(loop, division->own[i], out);
+        count++;
+    }
+    if (!out->failed) memcpy(out->data, &count, sizeof count);
+}
+
 // Gives all ranks the results of all chunks.
 static satin_status exchange_results(const struct results_loop *loop) {
     struct parallel_division *division = &loop->pool->division;
     const struct satin_ranks *ranks = division->ranks;
     const double start = stats_wall();
     struct bytes own = {0}, other = {0};
-    bytes_put_u64(&own, division->own_count);
-    for (size_t i = 0; i < division->own_count; i++) pack_chunk(loop, division->own[i], &own);
+    pack_own(loop, &own);
     satin_status status = own.failed ? SATIN_ERROR_MEMORY : SATIN_OK;
     for (int root = 0; root < ranks->count && status == SATIN_OK; root++) {
         const bool is_own = root == ranks->rank;
         status = broadcast_bytes(ranks, root, is_own ? &own : &other);
         division->traffic.bytes += (double)(is_own ? own.count : other.count);
-        if (status == SATIN_OK && !is_own) status = unpack_chunks(loop, &other, 0);
+        if (status == SATIN_OK && !is_own) status = parallel_unpack_chunks(loop, &other);
     }
     division->traffic.loops += 1.0;
     division->traffic.seconds += stats_wall() - start;
@@ -191,15 +221,15 @@ static satin_status exchange_results(const struct results_loop *loop) {
     return status;
 }
 
-static bool run_loop(const struct results_loop *loop, parallel_fn fn) {
+// Runs the chunks of a loop, or those of `run` of it.
+static bool run_loop(const struct results_loop *loop, const struct parallel_loop *run) {
     struct parallel *pool = loop->pool;
-    if (!pool->division.ranks || loop->chunks < 2)
-        return parallel_for(pool, loop->n, loop->chunk_size, fn, loop->ctx);
+    if (!pool->division.ranks || loop->chunks < 2) return parallel_run(pool, run);
     struct parallel_division *division = &pool->division;
-    division->own = array_new(loop->chunks, sizeof *division->own);
+    division->own = array_new(run->chunks, sizeof *division->own);
     if (!division->own) division->status = SATIN_ERROR_MEMORY;
-    const bool whole = division->own && run_divided(loop, fn);
-    if (division->status == SATIN_OK && (whole || loop->results->if_cancelled))
+    const bool whole = division->own && run_divided(pool, run);
+    if (division->status == SATIN_OK && (whole || loop->results->if_cancelled || loop->state))
         division->status = exchange_results(loop);
     free(division->own);
     return whole && division->status == SATIN_OK;
@@ -213,53 +243,78 @@ bool parallel_broadcast(struct parallel *pool, bool found, struct bytes *bytes) 
     return found;
 }
 
-// Takes the results from the journal, if it has them.
-static bool read_back(const struct results_loop *loop) {
-    struct parallel_division *division = &loop->pool->division;
-    struct bytes bytes = {0};
-    bool found = division->journal && division->journal->read(division->journal->user, &bytes);
-    found = parallel_broadcast(loop->pool, found, &bytes);
-    if (found && division->status == SATIN_OK)
-        division->status = unpack_chunks(loop, &bytes, loop->chunks);
-    bytes_free(&bytes);
-    return found;
-}
-
-static void write_down(const struct results_loop *loop) {
-    const struct parallel_journal *journal = loop->pool->division.journal;
-    if (!journal) return;
-    struct bytes bytes = {0};
-    bytes_put_u64(&bytes, loop->chunks);
-    for (size_t i = 0; i < loop->chunks; i++) pack_chunk(loop, i, &bytes);
-    if (bytes.failed) bytes.count = 0;
-    journal->write(journal->user, &bytes);
-    bytes_free(&bytes);
-}
-
 static struct results_loop loop_of(struct parallel *pool, size_t n, size_t chunk_size, void *ctx,
                                    const struct parallel_results *results) {
     if (chunk_size == 0) chunk_size = 1;
     const size_t chunks = n / chunk_size + (n % chunk_size != 0);
-    return (struct results_loop){pool, n, chunk_size, chunks, ctx, results};
+    return (struct results_loop){pool, n, chunk_size, chunks, ctx, results, NULL};
+}
+
+// Lists the chunks whose results are missing. NULL if there is no memory.
+static size_t *list_open(const struct results_loop *loop, size_t count) {
+    size_t *list = array_new(count, sizeof *list), at = 0;
+    for (size_t i = 0; list && i < loop->chunks; i++)
+        if (loop->state[i] == CHUNK_OPEN) list[at++] = i;
+    return list;
+}
+
+// Runs the chunks that are missing, until all were run or results are due to be written. False if
+// that was cancelled.
+static bool run_open(const struct results_loop *loop, parallel_fn fn, size_t done) {
+    struct parallel_loop run = {.fn = fn,
+                                .ctx = loop->ctx,
+                                .n = loop->n,
+                                .chunk_size = loop->chunk_size,
+                                .chunks = loop->chunks - done,
+                                .state = loop->state,
+                                .before = done};
+    size_t *list = done ? list_open(loop, run.chunks) : NULL;
+    if (done && !list) loop->pool->division.status = SATIN_ERROR_MEMORY;
+    run.list = list;
+    const bool whole = (!done || list) && run_loop(loop, &run);
+    free(list);
+    return whole;
+}
+
+static bool run_journaled(struct results_loop *loop, parallel_fn fn) {
+    const struct parallel_division *division = &loop->pool->division;
+    bool whole = true;
+    parallel_journal_begin(loop);
+    while (whole && division->status == SATIN_OK) {
+        const size_t done = parallel_chunks_done(loop);
+        if (done == loop->chunks) break;
+        whole = run_open(loop, fn, done);
+        parallel_journal_write(loop);
+    }
+    free(loop->state);
+    return whole && division->status == SATIN_OK;
 }
 
 bool parallel_read_results(struct parallel *pool, size_t n, size_t chunk_size, void *ctx,
                            const struct parallel_results *results) {
-    if (n == 0 || !results->journaled || !pool->division.has_journal) return false;
-    const struct results_loop loop = loop_of(pool, n, chunk_size, ctx, results);
-    return read_back(&loop);
+    if (n == 0 || !parallel_is_journaled(pool, results)) return false;
+    struct results_loop loop = loop_of(pool, n, chunk_size, ctx, results);
+    parallel_journal_begin(&loop);
+    struct parallel_division *division = &pool->division;
+    const bool ends = division->status != SATIN_OK || parallel_chunks_done(&loop) == loop.chunks;
+    if (ends) {
+        free(loop.state);
+        return true;
+    }
+    division->read.ctx = ctx;
+    division->read.results = results;
+    division->read.state = loop.state;
+    return false;
 }
 
 bool parallel_for_results(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
                           void *ctx, const struct parallel_results *results) {
     if (n == 0) return true;
-    if (parallel_read_results(pool, n, chunk_size, ctx, results))
-        return pool->division.status == SATIN_OK;
-    const struct results_loop loop = loop_of(pool, n, chunk_size, ctx, results);
-    const bool journaled = results->journaled && pool->division.has_journal;
-    const bool whole = run_loop(&loop, fn);
-    if (journaled && whole) write_down(&loop);
-    return whole;
+    struct results_loop loop = loop_of(pool, n, chunk_size, ctx, results);
+    if (parallel_is_journaled(pool, results)) return run_journaled(&loop, fn);
+    const struct parallel_loop run = {
+        .fn = fn, .ctx = ctx, .n = n, .chunk_size = loop.chunk_size, .chunks = loop.chunks};
+    return run_loop(&loop, &run);
 }
 
 void parallel_sum(struct parallel *pool, uint64_t *values, size_t count) {

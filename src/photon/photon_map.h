@@ -104,7 +104,7 @@ struct photon_tracing {
     // Caustic pass: where paths start, and how many; paths end at their first smooth scattering.
     // NULL: a pass for all photons.
     const struct guide_emission *emission;
-    bool passing;  // photons are not written to the journal
+    bool passing;  // photons serve only until the results of their pass or batch are written
 };
 
 // Traces the paths of all consumers and sets out[i] to the photons of consumer i. On failure,

@@ -137,6 +137,7 @@ static void pack_photons(void *ctx, size_t begin, size_t end, struct bytes *out)
     const struct run *run = ctx;
     const struct photon_chunk *chunk = &run->chunk[begin / run->chunk_paths];
     (void)end;
+    out->failed = out->failed || atomic_load(&run->failed);
     bytes_put_u64(out, chunk->refused);
     bytes_put(out, &chunk->power, sizeof chunk->power);
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
@@ -228,8 +229,10 @@ static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_CO
     run->chunk = array_new(chunks, sizeof *run->chunk);
     if (!run->chunk) return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
-    const struct parallel_results photons = {
-        .pack = pack_photons, .unpack = unpack_photons, .journaled = !run->tracing->passing};
+    const struct parallel_results photons = {.pack = pack_photons,
+                                             .unpack = unpack_photons,
+                                             .journaled = true,
+                                             .passing = run->tracing->passing};
     if (!parallel_for_results(run->pool, paths, run->chunk_paths, trace_photon_paths, run,
                               &photons))
         status = SATIN_CANCELLED;

@@ -5,6 +5,7 @@
 //
 // The state of the image is not that of a loop: samples are added to it. It is written every so
 // often between the tiles of a pass, where all pixels have all or none of the samples of the pass.
+// The results of a long loop are written as often, and when the render is cancelled.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,8 +23,9 @@ struct render_checkpoint {
     char *identity;                   // of this render, from malloc
     bool resumed;                     // the file has existed before
     bool reading;                     // its entries are read; else they are written
+    bool reading_passing;             // its passing entries are read when they are asked for
     bool due;                         // a pass was stopped so that its state is written
-    double written;                   // wall clock when the state of the image was written
+    double written;                   // wall clock when something was written last
     struct background writer;         // of the last state; see begin_writer
 };
 
@@ -97,13 +99,17 @@ static satin_status compare_identities(const struct render *r, const char *here,
 
 // ---- Opening ------------------------------------------------------------------------------------
 
-// For the pool: the results of the next loop.
-static bool read_loop(void *user, struct bytes *out) {
+// For the pool: the next results of a loop.
+static bool read_loop(void *user, struct parallel_entry *entry, struct bytes *out) {
     struct render *r = user;
     struct render_checkpoint *c = r->checkpoint;
-    c->reading = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_LOOP, out);
-    stats_add(&r->stats, "checkpoint.loops", c->reading);
-    return c->reading;
+    bool *reading = entry->passing ? &c->reading_passing : &c->reading;
+    const unsigned passing = entry->passing ? CHECKPOINT_PASSING : 0;
+    if (!*reading || !c->file) return false;
+    entry->last = render_checkpoint_file_read(c->file, CHECKPOINT_LOOP | passing, out);
+    *reading = entry->last || render_checkpoint_file_read(c->file, CHECKPOINT_PIECE | passing, out);
+    stats_add(&r->stats, "checkpoint.loops", entry->last);
+    return *reading;
 }
 
 // After a failure nothing more is written, and the render goes on.
@@ -115,18 +121,53 @@ static void note_failure(struct render *r, satin_status status) {
     log_message(r->log, SATIN_LOG_WARNING, "the render goes on without a checkpoint");
 }
 
-static void write_loop(void *user, const struct bytes *results) {
-    struct render *r = user;
-    struct render_checkpoint *c = r->checkpoint;
-    if (!c->file) return;
-    note_failure(r, results->count
-                        ? render_checkpoint_file_append(c->file, CHECKPOINT_LOOP, results, r->log)
-                        : log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory",
-                                   r->callbacks.checkpoint));
-}
-
 static struct bytes identity_bytes(const struct render_checkpoint *c) {
     return (struct bytes){(unsigned char *)c->identity, strlen(c->identity) + 1, 0, false};
+}
+
+// A background_fn: writes the state of the image.
+static bool write_state(void *ctx, struct log log) {
+    const struct render *r = ctx;
+    const struct render_checkpoint *c = r->checkpoint;
+    struct bytes state = {0};
+    const struct bytes identity = identity_bytes(c);
+    render_image_pack(r->image, &state);
+    const satin_status status =
+        state.failed
+            ? log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->callbacks.checkpoint)
+            : render_checkpoint_file_replace(c->file, &identity, &state, log);
+    bytes_free(&state);
+    return status == SATIN_OK;
+}
+
+static void write_now(struct render *r) {
+    note_failure(r, write_state(r, r->log) ? SATIN_OK : SATIN_ERROR_IO);
+    atomic_store(&r->image->progressed, false);
+    atomic_store(&r->image->unwritten, false);
+    r->checkpoint->written = stats_wall();
+}
+
+// For the pool: writes results. Photons of a pass follow the image to which they are added.
+static void write_loop(void *user, struct parallel_entry entry, const struct bytes *results) {
+    struct render *r = user;
+    struct render_checkpoint *c = r->checkpoint;
+    const unsigned passing = entry.passing ? CHECKPOINT_PASSING : 0;
+    const unsigned kind = (entry.last ? CHECKPOINT_LOOP : CHECKPOINT_PIECE) | passing;
+    if (c->file && entry.passing && atomic_load(&r->image->unwritten)) write_now(r);
+    if (!c->file) return;
+    note_failure(r, results->count ? render_checkpoint_file_append(c->file, kind, results, r->log)
+                                   : log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory",
+                                              r->callbacks.checkpoint));
+    c->written = stats_wall();
+}
+
+// For the pool: whether so much time has passed that something is to be written.
+static bool is_due(void *user) {
+    const struct render *r = user;
+    const struct render_checkpoint *c = r->checkpoint;
+    const double every = r->callbacks.checkpoint_seconds > 0.0 ? r->callbacks.checkpoint_seconds
+                                                               : RENDER_CHECKPOINT_SECONDS;
+    return c->file && stats_wall() - c->written >= every;
 }
 
 // Compares the identity of a file that has existed.
@@ -157,7 +198,8 @@ static satin_status open_file(struct render *r) {
                                                       &c->resumed, &c->file);
     c->reading = c->resumed;
     if (status == SATIN_OK && c->resumed) status = identify(r);
-    c->journal = (struct parallel_journal){r, read_loop, write_loop};
+    c->reading_passing = c->resumed;
+    c->journal = (struct parallel_journal){r, read_loop, write_loop, is_due};
     return status;
 }
 
@@ -171,7 +213,8 @@ satin_status render_checkpoint_open(struct render *r) {
     satin_status status = render_is_first(r) ? open_file(r) : SATIN_OK;
     status = render_ranks_status(r, status);
     if (status == SATIN_OK)
-        parallel_set_journal(r->pool, render_is_first(r) ? &r->checkpoint->journal : NULL, true);
+        parallel_set_journal(r->pool, render_is_first(r) ? &r->checkpoint->journal : NULL,
+                             PARALLEL_ALL_LOOPS);
     r->checkpoint->written = stats_wall();
     return status;
 }
@@ -198,7 +241,9 @@ satin_status render_checkpoint_begin_image(struct render *r, bool *restored) {
     struct render_checkpoint *c = r->checkpoint;
     *restored = false;
     if (!c) return SATIN_OK;
-    parallel_set_journal(r->pool, NULL, false);
+    // Photons of a pass serve for that pass alone.
+    parallel_set_journal(r->pool, render_is_first(r) ? &c->journal : NULL,
+                         render_steps(r)->passes ? PARALLEL_PASSING_LOOPS : PARALLEL_NO_LOOPS);
     struct bytes state = {0};
     *restored = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_IMAGE, &state);
     c->reading = false;
@@ -215,12 +260,10 @@ satin_status render_checkpoint_begin_image(struct render *r, bool *restored) {
 
 bool render_checkpoint_due(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
-    const double every = r->callbacks.checkpoint_seconds > 0.0 ? r->callbacks.checkpoint_seconds
-                                                               : RENDER_CHECKPOINT_SECONDS;
     if (!c || !c->file || r->image->state != IMAGE_SAMPLING || !r->image->begun) return false;
     // The state is not written twice without a tile between, however short the time is.
     if (!atomic_load(&r->image->progressed)) return false;
-    c->due = c->due || stats_wall() - c->written >= every;
+    c->due = c->due || is_due(r);
     return c->due;
 }
 
@@ -232,21 +275,6 @@ bool render_checkpoint_pause(struct render *r) {
     due = parallel_broadcast(r->pool, due, &(struct bytes){0});
     if (due) render_checkpoint_write(r);
     return due;
-}
-
-// A background_fn: writes the state of the image.
-static bool write_state(void *ctx, struct log log) {
-    const struct render *r = ctx;
-    const struct render_checkpoint *c = r->checkpoint;
-    struct bytes state = {0};
-    const struct bytes identity = identity_bytes(c);
-    render_image_pack(r->image, &state);
-    const satin_status status =
-        state.failed
-            ? log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->callbacks.checkpoint)
-            : render_checkpoint_file_replace(c->file, &identity, &state, log);
-    bytes_free(&state);
-    return status == SATIN_OK;
 }
 
 // Begins to write the state, the last one, in a copy of this process, as mpirun kills this one
@@ -273,15 +301,21 @@ void render_checkpoint_interrupt(struct render *r) {
 
 void render_checkpoint_write(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
-    if (!c || !c->file) return;
+    if (!c || !c->file || !atomic_load(&r->image->unwritten)) return;
     if (begin_writer(r, write_state)) {
         render_checkpoint_file_close(c->file);
         c->file = NULL;
         return;
     }
-    note_failure(r, write_state(r, r->log) ? SATIN_OK : SATIN_ERROR_IO);
-    atomic_store(&r->image->progressed, false);
-    c->written = stats_wall();
+    write_now(r);
+}
+
+void render_checkpoint_end_pass(struct render *r) {
+    if (r->checkpoint && r->checkpoint->file) render_checkpoint_file_drop(r->checkpoint->file);
+}
+
+void render_checkpoint_between(struct render *r) {
+    if (r->checkpoint && is_due(r)) render_checkpoint_write(r);
 }
 
 void render_checkpoint_end(struct render *r) {

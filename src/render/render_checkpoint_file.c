@@ -16,7 +16,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files have the byte order of memory");
 
-enum { CHECKPOINT_VERSION = 1 };
+enum { CHECKPOINT_VERSION = 2 };
 static const char checkpoint_magic[8] = {'s', 'a', 't', 'i', 'n', 'c', 'k', 'p'};
 
 struct file_head {
@@ -35,12 +35,19 @@ struct checkpoint_file {
     int fd;
     uint64_t next;   // offset of the next entry
     uint64_t first;  // offset behind the identity
+    // Offsets of passing entries: of the first that is of use beside a new image, and of the next.
+    uint64_t passing, next_passing;
 };
+
+// Goes to the entry that is the next one, which passing ones may follow.
+static void go_to(struct checkpoint_file *file, uint64_t next) {
+    file->next = file->passing = file->next_passing = next;
+}
 
 // ---- Entries ------------------------------------------------------------------------------------
 
-static struct entry_head head_of(enum checkpoint_entry kind, const struct bytes *entry) {
-    struct entry_head head = {.kind = (uint32_t)kind, .size = entry->count};
+static struct entry_head head_of(unsigned kind, const struct bytes *entry) {
+    struct entry_head head = {.kind = kind, .size = entry->count};
     const uint64_t hash = fileio_hash(FILEIO_HASH, &head, offsetof(struct entry_head, checksum));
     head.checksum = fileio_hash_large(hash, entry->data, entry->count);
     return head;
@@ -67,14 +74,15 @@ static bool write_range(int fd, const void *data, size_t size, uint64_t offset) 
     return true;
 }
 
-bool render_checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry kind,
-                                 struct bytes *out) {
+bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, struct bytes *out) {
+    const bool passing = kind & CHECKPOINT_PASSING;
+    const uint64_t begin = passing ? file->next_passing : file->next;
     struct entry_head head;
     struct stat st;
-    if (!read_range(file->fd, &head, sizeof head, file->next) || head.kind != (uint32_t)kind ||
+    if (!read_range(file->fd, &head, sizeof head, begin) || head.kind != kind ||
         fstat(file->fd, &st) != 0)
         return false;
-    const uint64_t at = file->next + sizeof head;
+    const uint64_t at = begin + sizeof head;
     if (head.size > (uint64_t)st.st_size - at) return false;
     out->count = 0;
     if (!array_reserve((void **)&out->data, &out->capacity, (size_t)head.size + 1, 1) ||
@@ -82,24 +90,33 @@ bool render_checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_e
         return false;
     out->count = (size_t)head.size;
     if (head_of(kind, out).checksum != head.checksum) return false;
-    if (kind != CHECKPOINT_IMAGE) file->next = at + head.size;
+    if (passing)
+        file->next_passing = at + head.size;
+    else if (kind == CHECKPOINT_IMAGE)
+        file->passing = file->next_passing = at + head.size;
+    else
+        go_to(file, at + head.size);
     if (kind == CHECKPOINT_IDENTITY) file->first = file->next;
     return true;
 }
 
-satin_status render_checkpoint_file_append(struct checkpoint_file *file, enum checkpoint_entry kind,
+satin_status render_checkpoint_file_append(struct checkpoint_file *file, unsigned kind,
                                            const struct bytes *entry, struct log log) {
+    const bool passing = kind & CHECKPOINT_PASSING;
     const struct entry_head head = head_of(kind, entry);
-    const uint64_t at = file->next + sizeof head;
-    if (ftruncate(file->fd, (off_t)file->next) == 0 &&
-        write_range(file->fd, &head, sizeof head, file->next) &&
+    const uint64_t begin = passing ? file->next_passing : file->next, at = begin + sizeof head;
+    if (ftruncate(file->fd, (off_t)begin) == 0 &&
+        write_range(file->fd, &head, sizeof head, begin) &&
         write_range(file->fd, entry->data, entry->count, at)) {
-        file->next = at + entry->count;
+        if (passing)
+            file->next_passing = at + entry->count;
+        else
+            go_to(file, at + entry->count);
         return SATIN_OK;
     }
     const int error = errno;
     // What cannot be cut off is found to be damaged when it is read.
-    if (ftruncate(file->fd, (off_t)file->next) != 0) errno = error;
+    if (ftruncate(file->fd, (off_t)begin) != 0) errno = error;
     return log_fail(log, SATIN_ERROR_IO, "%s: cannot write: %s", file->path, strerror(error));
 }
 
@@ -203,8 +220,8 @@ satin_status render_checkpoint_file_open(const char *path, const struct bytes *i
     if (file) {
         const uint64_t first =
             sizeof(struct file_head) + sizeof(struct entry_head) + identity->count;
-        *file = *resumed ? (struct checkpoint_file){path, fd, sizeof(struct file_head), 0}
-                         : (struct checkpoint_file){path, fd, first, first};
+        *file = (struct checkpoint_file){.path = path, .fd = fd, .first = *resumed ? 0 : first};
+        go_to(file, *resumed ? sizeof(struct file_head) : first);
         *out = file;
     } else if (fd >= 0) {
         close(fd);
@@ -216,6 +233,10 @@ void render_checkpoint_file_close(struct checkpoint_file *file) {
     if (!file) return;
     close(file->fd);
     free(file);
+}
+
+void render_checkpoint_file_drop(struct checkpoint_file *file) {
+    file->passing = file->next_passing;
 }
 
 int render_checkpoint_file_number(const struct checkpoint_file *file) { return file->fd; }
@@ -251,6 +272,8 @@ satin_status render_checkpoint_file_replace(struct checkpoint_file *file,
     if (!copy_range(file, file->first, file->next, &out) && !out.error) out.error = EIO;
     fileio_output_append(&out, &last, sizeof last);
     fileio_output_append(&out, image->data, image->count);
+    const uint64_t kept = file->next_passing - file->passing;
+    if (!copy_range(file, file->passing, file->passing + kept, &out) && !out.error) out.error = EIO;
     status = fileio_output_commit(log, &out);
     if (status != SATIN_OK) return status;
     const int fd = open(file->path, O_RDWR | O_CLOEXEC);
@@ -262,5 +285,7 @@ satin_status render_checkpoint_file_replace(struct checkpoint_file *file,
     file->fd = fd;
     file->next = begin + (file->next - file->first);
     file->first = begin;
+    file->passing = file->next + sizeof last + image->count;
+    file->next_passing = file->passing + kept;
     return SATIN_OK;
 }

@@ -9,8 +9,12 @@
 
 enum checkpoint_entry {
     CHECKPOINT_IDENTITY = 0,  // a text, the first entry: `name=value` words, what must be equal
-    CHECKPOINT_LOOP,          // results of a loop, in the order of the loops
-    CHECKPOINT_IMAGE          // the state of the image; the last entry
+    CHECKPOINT_LOOP,          // results of a loop, in the order of the loops; the last ones of it
+    CHECKPOINT_IMAGE,         // the state of the image
+    CHECKPOINT_PIECE,         // results of a loop, of which more follow
+    // Added to LOOP or PIECE: results that serve only until the next entry without it is written.
+    // They follow all other entries, also the image.
+    CHECKPOINT_PASSING = 4
 };
 
 struct checkpoint_file;
@@ -26,18 +30,20 @@ void render_checkpoint_file_close(struct checkpoint_file *file);        // NULL 
 int render_checkpoint_file_number(const struct checkpoint_file *file);  // of the open file
 
 // Sets *out to the next entry and goes to the one after it, if that can be: the state of an image
-// remains the next one, to be replaced. False if the next entry is of another kind, or damaged, or
-// there is none.
-bool render_checkpoint_file_read(struct checkpoint_file *file, enum checkpoint_entry kind,
-                                 struct bytes *out);
-// Replaces everything from the next entry on by this one, and goes behind it. After a process was
-// killed the file has all entries but the one that was being written. SATIN_ERROR_IO, logged, if it
-// cannot be written: then the file has all entries before.
-satin_status render_checkpoint_file_append(struct checkpoint_file *file, enum checkpoint_entry kind,
+// remains the next one, to be replaced, but passing entries behind it are read in turn. False if
+// the next entry is of another kind, or damaged, or there is none. `kind` may have PASSING.
+bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, struct bytes *out);
+// Replaces everything from the next entry on by this one, and goes behind it; a passing one
+// replaces what follows the passing entries so far. After a process was killed the file has all
+// entries but the one that was being written. SATIN_ERROR_IO, logged, if it cannot be written: then
+// the file has all entries before.
+satin_status render_checkpoint_file_append(struct checkpoint_file *file, unsigned kind,
                                            const struct bytes *entry, struct log log);
-// Writes a new file: this identity, all further entries up to the next one, and the image; and
-// renames it to the name of the file. The next entry remains. SATIN_ERROR_IO, logged: then the file
-// is as before.
+// The passing entries so far serve no more: a new image is written without them.
+void render_checkpoint_file_drop(struct checkpoint_file *file);
+// Writes a new file: this identity, all further entries up to the next one, the image, and the
+// passing entries that serve; and renames it to the name of the file. The next entry remains.
+// SATIN_ERROR_IO, logged: then the file is as before.
 satin_status render_checkpoint_file_replace(struct checkpoint_file *file,
                                             const struct bytes *identity, const struct bytes *image,
                                             struct log log);

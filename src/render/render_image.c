@@ -179,6 +179,8 @@ static void end_pass(struct render *r) {
     struct render_image *image = r->image;
     image->taken += image->begun;
     image->begun = 0;
+    atomic_store(&image->unwritten, true);
+    render_checkpoint_end_pass(r);
     plan_samples(r);
 }
 
@@ -217,6 +219,7 @@ static satin_status take_passes(struct image_pass *pass, bool restored, double p
         end_pass(r);
         per_sample = render_agreed(r, stats_wall() - start) / (double)samples;
         status = take_rims(r);
+        if (status == SATIN_OK) render_checkpoint_between(r);
     }
     return status;
 }

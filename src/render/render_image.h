@@ -89,6 +89,7 @@ struct render_image {
     uint64_t begun;               // number of samples of the pass that has begun, else 0
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
+    atomic_bool unwritten;        // the state has changed since it was written or restored
     uint32_t rim_rays;            // of each pixel at a rim; 0: none was found so far
     int coarsest;                 // pixels between the first samples, a power of two
     struct satin_film *film;      // the film that is made from the image

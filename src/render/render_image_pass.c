@@ -141,7 +141,10 @@ static bool render_tile(const struct image_pass *pass, size_t tile, int number) 
     worker->before.count = 0;
     if (restores) render_image_pack_box(image, box, &worker->before);
     const bool whole = sample_tile(pass, box, worker, number);
-    if (whole && worker->samples != samples) atomic_store(&image->progressed, true);
+    if (whole && worker->samples != samples) {
+        atomic_store(&image->progressed, true);
+        atomic_store(&image->unwritten, true);
+    }
     struct bytes_reader before = {worker->before.data, worker->before.count, false};
     if (!whole && restores) {
         render_image_unpack_box(image, box, &before);
@@ -171,6 +174,7 @@ static bool unpack_tiles(void *ctx, size_t begin, size_t end, struct bytes_reade
     const struct image_pass *pass = ctx;
     for (size_t tile = begin; tile < end; tile++)
         render_image_unpack_box(pass->r->image, tile_box(pass, tile), in);
+    atomic_store(&pass->r->image->unwritten, true);
     return true;
 }
 

@@ -298,8 +298,12 @@ bool render_checkpoint_due(struct render *r);
 // To be called after a pass has stopped. If that was for the checkpoint, writes the state of the
 // image and returns true: the pass is to go on.
 bool render_checkpoint_pause(struct render *r);
-// Writes the state of the image, if there is a checkpoint. If ranks are cancelled, this is the last
-// one, and a copy of this process writes it.
+// To be called when a pass has ended, whose photons serve no more.
+void render_checkpoint_end_pass(struct render *r);
+// To be called between passes: writes the state of the image, if it is time to.
+void render_checkpoint_between(struct render *r);
+// Writes the state of the image, if there is a checkpoint that does not have it. If ranks are
+// cancelled, this is the last one, and a copy of this process writes it.
 void render_checkpoint_write(struct render *r);
 // To be called when ranks are cancelled, before they exchange their samples: begins to write the
 // state with those of this rank, lest this process is killed before the others' are there.

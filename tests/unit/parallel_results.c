@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 #include <pthread.h>
+#include <unistd.h>
 
 #include "base/parallel.h"
 
@@ -31,6 +32,7 @@ struct member {
     satin_ranks ranks;
     int threads, cancels_at;  // item whose chunk cancels the loop on this rank; negative: none
     bool whole, agreed;
+    const struct parallel_journal *journal;  // of rank 0; others have any that is not NULL
     atomic_int computed;
     uint32_t square[ITEMS];
     uint32_t cube[ITEMS];  // by pack and unpack
@@ -85,6 +87,7 @@ static void compute(void *ctx, size_t begin, size_t end, int worker) {
         m->cube[i] = (uint32_t)(i * i * i);
     }
     atomic_fetch_add(&m->computed, (int)(end - begin));
+    if (m->journal) usleep(200);  // so that each rank gets chunks
 }
 
 static void pack_cubes(void *ctx, size_t begin, size_t end, struct bytes *out) {
@@ -120,6 +123,8 @@ static void *be_a_rank(void *arg) {
     struct parallel *pool = parallel_new(m->threads);
     parallel_set_progress(pool, cancel_when_asked, m);
     parallel_set_ranks(pool, &m->ranks, agree_with_all, m);
+    if (m->journal)
+        parallel_set_journal(pool, m->ranks.rank == 0 ? m->journal : NULL, PARALLEL_ALL_LOOPS);
     m->agreed = true;
     for (int i = 0; i < LOOPS && m->agreed; i++) {
         m->whole = run_test_loop(pool, m);
@@ -134,13 +139,14 @@ static void *be_a_rank(void *arg) {
 
 static struct member member_list[RANKS_MOST];
 
-static void meet(int ranks, int cancelling) {
+static void meet(int ranks, int cancelling, const struct parallel_journal *journal) {
     struct meeting meeting = {.ranks = ranks};
     pthread_t thread[RANKS_MOST];
     pthread_barrier_init(&meeting.barrier, NULL, (unsigned)ranks);
     for (int i = 0; i < ranks; i++) {
         struct member *m = &member_list[i];
-        *m = (struct member){.meeting = &meeting, .threads = 1 + i % 2, .cancels_at = -1};
+        *m = (struct member){
+            .meeting = &meeting, .threads = 1 + i % 2, .cancels_at = -1, .journal = journal};
         if (i == cancelling) m->cancels_at = 0;
         m->ranks = (satin_ranks){i, ranks, m, send, any_of, add_to, reset};
         assert_int_equal(pthread_create(&thread[i], NULL, be_a_rank, m), 0);
@@ -152,7 +158,7 @@ static void meet(int ranks, int cancelling) {
 static void all_ranks_have_all_results(void **state) {
     (void)state;
     for (int ranks = 2; ranks <= RANKS_MOST; ranks++) {
-        meet(ranks, -1);
+        meet(ranks, -1, NULL);
         int computed = 0;
         for (int i = 0; i < ranks; i++) {
             assert_true(member_list[i].agreed);
@@ -164,40 +170,52 @@ static void all_ranks_have_all_results(void **state) {
 
 static void a_loop_is_cancelled_on_all_ranks(void **state) {
     (void)state;
-    meet(3, 1);
+    meet(3, 1, NULL);
     for (int i = 0; i < 3; i++) assert_false(member_list[i].whole);
 }
 
 // ---- The journal --------------------------------------------------------------------------------
 
+enum { ENTRIES_MOST = 2 * ITEMS };
+
 struct journal {
-    struct bytes loop[LOOPS];
+    struct bytes loop[ENTRIES_MOST];
+    bool last[ENTRIES_MOST];
     int written, read;
+    bool due;
 };
 
-static bool read_journal(void *user, struct bytes *out) {
+static bool read_journal(void *user, struct parallel_entry *entry, struct bytes *out) {
     struct journal *j = user;
     if (j->read == j->written) return false;
+    entry->last = j->last[j->read];
     const struct bytes *in = &j->loop[j->read++];
     out->count = 0;
     bytes_put(out, in->data, in->count);
     return !out->failed;
 }
 
-static void write_journal(void *user, const struct bytes *results) {
+static void write_journal(void *user, struct parallel_entry entry, const struct bytes *results) {
     struct journal *j = user;
+    assert_true(j->written < ENTRIES_MOST);
+    j->last[j->written] = entry.last;
     bytes_put(&j->loop[j->written++], results->data, results->count);
     j->read = j->written;
 }
 
+static bool is_journal_due(void *user) {
+    const struct journal *j = user;
+    return j->due;
+}
+
 static void results_are_taken_from_the_journal(void **state) {
     (void)state;
-    struct journal j = {.written = 0};
-    const struct parallel_journal journal = {&j, read_journal, write_journal};
+    static struct journal j;
+    const struct parallel_journal journal = {&j, read_journal, write_journal, NULL};
     struct parallel *pool = parallel_new(2);
     struct member *m = &member_list[0];
     *m = (struct member){.cancels_at = -1};
-    parallel_set_journal(pool, &journal, true);
+    parallel_set_journal(pool, &journal, PARALLEL_ALL_LOOPS);
     for (int i = 0; i < 3; i++) assert_true(run_test_loop(pool, m));
     assert_int_equal(j.written, 3);
     assert_int_equal(atomic_load(&m->computed), 3 * ITEMS);
@@ -222,10 +240,93 @@ static void results_are_taken_from_the_journal(void **state) {
         j.loop[0].count = count;
         parallel_free(pool);
         pool = parallel_new(2);
-        parallel_set_journal(pool, &journal, true);
+        parallel_set_journal(pool, &journal, PARALLEL_ALL_LOOPS);
     }
     parallel_free(pool);
     for (int i = 0; i < j.written; i++) bytes_free(&j.loop[i]);
+}
+
+// A loop that is cancelled again and again goes on each time behind the chunks that it has done.
+static void a_loop_goes_on_after_each_cancellation(void **state) {
+    (void)state;
+    static struct journal j;
+    const struct parallel_journal journal = {&j, read_journal, write_journal, NULL};
+    struct member *m = &member_list[0];
+    int runs = 0, computed = 0;
+    for (bool whole = false; !whole; runs++) {
+        struct parallel *pool = parallel_new(1);
+        *m = (struct member){.cancels_at = 10 * CHUNK};
+        parallel_set_progress(pool, cancel_when_asked, m);
+        parallel_set_journal(pool, &journal, PARALLEL_ALL_LOOPS);
+        j.read = 0;
+        whole = run_test_loop(pool, m);
+        computed += atomic_load(&m->computed);
+        parallel_free(pool);
+        assert_true(runs < ITEMS);
+    }
+    assert_true(is_right(m));
+    assert_true(runs > 5);
+    assert_in_range(computed, ITEMS, ITEMS + 2 * CHUNK * runs);
+    for (int i = 0; i < j.written; i++) {
+        assert_int_equal(j.last[i], i + 1 == j.written);
+        bytes_free(&j.loop[i]);
+    }
+}
+
+// Results that are due are written while the loop runs, and each chunk is run once.
+static void results_that_are_due_are_written(void **state) {
+    (void)state;
+    static struct journal j;
+    const struct parallel_journal journal = {&j, read_journal, write_journal, is_journal_due};
+    struct parallel *pool = parallel_new(1);
+    struct member *m = &member_list[0];
+    *m = (struct member){.cancels_at = -1};
+    j.due = true;
+    parallel_set_journal(pool, &journal, PARALLEL_ALL_LOOPS);
+    assert_true(run_test_loop(pool, m));
+    assert_true(is_right(m));
+    assert_int_equal(atomic_load(&m->computed), ITEMS);
+    assert_true(j.written > 1);
+    const int computed = atomic_load(&m->computed);
+    j.read = 0;
+    assert_true(run_test_loop(pool, m));
+    assert_true(is_right(m));
+    assert_int_equal(atomic_load(&m->computed), computed);
+    // The last entry is missing, and so are its chunks: they alone are run.
+    j.read = 0;
+    bytes_free(&j.loop[--j.written]);
+    assert_true(run_test_loop(pool, m));
+    assert_true(is_right(m));
+    assert_in_range(atomic_load(&m->computed) - computed, 1, CHUNK);
+    parallel_free(pool);
+    for (int i = 0; i < j.written; i++) bytes_free(&j.loop[i]);
+}
+
+// Ranks that divide a loop stop together when results are due, and go on with the chunks that none
+// of them has run.
+static void ranks_write_what_is_due(void **state) {
+    (void)state;
+    static struct journal j;
+    const struct parallel_journal journal = {&j, read_journal, write_journal, is_journal_due};
+    j.due = true;
+    int entries = 0;
+    for (int ranks = 2; ranks <= RANKS_MOST; ranks++) {
+        int computed = 0, last = 0;
+        meet(ranks, -1, &journal);
+        for (int i = 0; i < ranks; i++) {
+            assert_true(member_list[i].agreed);
+            computed += atomic_load(&member_list[i].computed);
+        }
+        assert_int_equal(computed, LOOPS * ITEMS);
+        entries += j.written;
+        for (int i = 0; i < j.written; i++) {
+            last += j.last[i];
+            bytes_free(&j.loop[i]);
+        }
+        assert_int_equal(last, LOOPS);
+        j.written = j.read = 0;
+    }
+    assert_true(entries > (RANKS_MOST - 1) * LOOPS);
 }
 
 int main(void) {
@@ -233,6 +334,9 @@ int main(void) {
         cmocka_unit_test(all_ranks_have_all_results),
         cmocka_unit_test(a_loop_is_cancelled_on_all_ranks),
         cmocka_unit_test(results_are_taken_from_the_journal),
+        cmocka_unit_test(a_loop_goes_on_after_each_cancellation),
+        cmocka_unit_test(results_that_are_due_are_written),
+        cmocka_unit_test(ranks_write_what_is_due),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
