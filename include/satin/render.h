@@ -79,15 +79,16 @@ typedef struct satin_callbacks {
     // checkpoint. All else is refused with SATIN_ERROR_INPUT, and so is options->time.
     const char *checkpoint;
     bool resume;
-    // The state of the image is written to the checkpoint after so many seconds; 0: 60. Other work
-    // is written when it is done.
+    // The state of the image is written to the checkpoint after so many seconds; 0: 60. So are the
+    // results of other work that takes longer.
     double checkpoint_seconds;
     // The processes that render together; NULL: this one alone. Rank 0 has the film; the others
     // have one whose pixels are the same. Their files of records and checkpoints are not written.
     const satin_ranks *ranks;
-    // The frames of an animation, each of which is an image; NULL: there is one image. An animation
-    // has no time limit and no checkpoint file, and is not rendered by SATIN_SPPM, which changes
-    // its photons during an image: these are refused with SATIN_ERROR_INPUT, logged.
+    // The frames of an animation, each of which is an image; NULL: there is one image. Its
+    // checkpoint has what all frames have in common, and is removed when they are complete. An
+    // animation has no time limit, and is not rendered by SATIN_SPPM, which changes its photons
+    // during an image: these are refused with SATIN_ERROR_INPUT, logged.
     const satin_animation *animation;
 } satin_callbacks;
 

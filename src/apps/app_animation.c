@@ -31,6 +31,21 @@ static char *frame_name(const char *name, int number) {
     return out;
 }
 
+char *app_frame_checkpoint(const struct app_render_request *r) {
+    const char *frames = r->frames ? r->frames : "all";
+    int digits;
+    const char *run = find_number(r->output, &digits), *at = run ? run : strchr(r->output, 0);
+    const char *rest = at + digits;
+    int kept = (int)strlen(rest);
+    if (app_ends_in(rest, ".exr")) kept -= 4;
+    const size_t size = strlen(r->output) + strlen(frames) + sizeof ".checkpoint";
+    char *name = malloc(size);
+    if (name)
+        snprintf(name, size, "%.*s%s%.*s.checkpoint", (int)(at - r->output), r->output, frames,
+                 kept, rest);
+    return name;
+}
+
 int app_frame_begin(const struct app_render_request *r, int number,
                     struct app_render_request *out) {
     *out = *r;
@@ -160,9 +175,10 @@ int app_animation_read(const struct app_render_request *r, struct app_animation 
     *out = (struct app_animation){0};
     if (!r->animation && r->frames) return app_wrong("--frames needs --animation");
     if (!r->animation) return APP_DONE;
-    if (r->checkpoint)
+    if (r->checkpoint != r->checkpoint_beside)
         return app_wrong(
-            "an animation has no checkpoint file; --resume leaves complete frames out");
+            "an animation has no checkpoint file that can be named; --resume writes one beside "
+            "its frames");
     if (r->resume && !app_ends_in(r->output, ".exr"))
         return app_wrong("%s: --resume needs frames as .exr, which say of which render they are",
                          r->output);

@@ -33,6 +33,9 @@ satin_status app_animation_scene(const struct app_render_request *r,
                                  const struct app_animation *animation, int number,
                                  satin_scene **scene);
 
+// The name of an animation's checkpoint: that of the image with A-B of --frames, or `all`, for the
+// number of a frame. From malloc; NULL if there is no memory.
+char *app_frame_checkpoint(const struct app_render_request *r);
 // Sets *out to the request with the outputs of frame `number` as its own. To be freed in any case.
 // Reports lack of memory and returns APP_FAILED.
 int app_frame_begin(const struct app_render_request *r, int number, struct app_render_request *out);

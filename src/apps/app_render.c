@@ -44,8 +44,10 @@ static int name_outputs(struct app_render_request *r) {
         r->png = r->png_beside = name_beside(r->output, ".png");
         if (!r->png) return app_no_memory();
     }
-    if (r->resume && !r->checkpoint && !r->animation) {
-        r->checkpoint = r->checkpoint_beside = name_beside(r->output, ".checkpoint");
+    if (r->resume && !r->checkpoint) {
+        r->checkpoint_beside =
+            r->animation ? app_frame_checkpoint(r) : name_beside(r->output, ".checkpoint");
+        r->checkpoint = r->checkpoint_beside;
         if (!r->checkpoint) return app_no_memory();
     }
     if (r->stats && strcmp(r->stats, "-") == 0) r->stats = APP_STDOUT;
@@ -217,7 +219,7 @@ static satin_status run_shown(const struct app_render_request *r, const satin_sc
                                        .load_cache = r->load,
                                        .save_cache = r->save,
                                        .checkpoint = r->checkpoint,
-                                       .resume = r->resume && !animation,
+                                       .resume = r->resume,
                                        .checkpoint_seconds = r->checkpoint_seconds,
                                        .snapshot = first && asked ? show_snapshot : NULL,
                                        .snapshot_user = shown,

@@ -54,7 +54,7 @@ const struct app_flag app_render_flags[] = {
     {"--resume", NULL, NULL,
      "Goes on from the checkpoint, if there is one: OUT.checkpoint if no other is named. With a "
      "larger --spp, samples are added to a complete image. Of an animation, leaves out frames that "
-     "are complete."},
+     "are complete, and goes on with photons and records."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--sensor", NULL, "INDEX|ID",

@@ -153,12 +153,14 @@ static satin_status make_frames(struct render *r, satin_status status) {
     const bool moved = r->callbacks.animation->moved;
     if (status == SATIN_OK && moved) status = render_tests_make(r);
     if (status == SATIN_OK) render_frames_begin(r);
+    render_checkpoint_end_loops(r);
     while (status == SATIN_OK && render_frame_next(r, &status)) {
         satin_film *film = NULL;
         status = moved ? make_moved_frame(r, &film) : make_frame(r, &film);
         if (status == SATIN_OK) status = render_frame_done(r, film);
         satin_film_free(film);
     }
+    if (status == SATIN_OK) render_checkpoint_remove(r);
     return render_checkpoint_check(r, status);
 }
 

@@ -6,9 +6,11 @@
 // The state of the image is not that of a loop: samples are added to it. It is written every so
 // often between the tiles of a pass, where all pixels have all or none of the samples of the pass.
 // The results of a long loop are written as often, and when the render is cancelled.
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/background.h"
 #include "base/fileio.h"
@@ -18,7 +20,8 @@
 #include "render/render_image.h"
 
 struct render_checkpoint {
-    struct checkpoint_file *file;     // NULL: another rank has it, or it cannot be written
+    struct checkpoint_file *file;     // NULL: another rank has it, or nothing more is written
+    struct checkpoint_file *ended;    // the file of an animation whose frames are begun; else NULL
     struct parallel_journal journal;  // of the pool
     char *identity;                   // of this render, from malloc
     bool resumed;                     // the file has existed before
@@ -204,7 +207,8 @@ static satin_status open_file(struct render *r) {
 }
 
 satin_status render_checkpoint_open(struct render *r) {
-    if (!r->callbacks.checkpoint) return SATIN_OK;
+    // An animation whose frames are all complete does no work.
+    if (!r->callbacks.checkpoint || (r->callbacks.animation && !r->frames.wanted)) return SATIN_OK;
     if (r->options.time > 0.0)
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "a render with a time limit has no checkpoint; set spp instead of time");
@@ -231,8 +235,24 @@ void render_checkpoint_free(struct render *r) {
     if (!r->checkpoint) return;
     render_checkpoint_end(r);
     render_checkpoint_file_close(r->checkpoint->file);
+    render_checkpoint_file_close(r->checkpoint->ended);
     free(r->checkpoint->identity);
     free(r->checkpoint);
+}
+
+void render_checkpoint_end_loops(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    if (!c) return;
+    parallel_set_journal(r->pool, NULL, PARALLEL_NO_LOOPS);
+    c->ended = c->file;
+    c->file = NULL;
+    c->reading = false;
+}
+
+void render_checkpoint_remove(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    // What cannot be removed does no harm.
+    if (c && c->ended && unlink(r->callbacks.checkpoint) != 0) errno = 0;
 }
 
 // ---- The image ----------------------------------------------------------------------------------

@@ -173,7 +173,7 @@ struct render *render_frame_new(const struct render *at_rest) {
     const struct render_frames *frames = &at_rest->frames;
     satin_callbacks callbacks = at_rest->callbacks;
     callbacks.animation = NULL;
-    callbacks.load_cache = callbacks.save_cache = NULL;
+    callbacks.load_cache = callbacks.save_cache = callbacks.checkpoint = NULL;
     struct render *r = render_new(&callbacks);
     if (!r) return NULL;
     const int number = frames->next - 1;

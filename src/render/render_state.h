@@ -290,6 +290,10 @@ struct identity_word {
 bool render_identity_next(const char **text, struct identity_word *word);
 // Whether the caller has a checkpoint, on any rank.
 bool render_has_checkpoint(const struct render *r);
+// The frames of an animation are begun; their images are not in the checkpoint.
+void render_checkpoint_end_loops(struct render *r);
+// All frames of the animation are complete, and the checkpoint serves no more.
+void render_checkpoint_remove(struct render *r);
 // To be called when all before the image is done. *restored: the image is as it was when its state
 // was written. SATIN_ERROR_INPUT, logged, if that is damaged.
 satin_status render_checkpoint_begin_image(struct render *r, bool *restored);
