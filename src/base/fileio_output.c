@@ -9,16 +9,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/fileio.h"
+#include "base/fileio_temporary.h"
 
 enum {
-    LINKS_MAX = 40,  // the kernel's own limit
-    TRIES = 16,      // attempts at a new name with a random number of 64 bits
-    SUFFIX_MAX = 24  // bytes of `.tmp` and a number
+    LINKS_MAX = 40  // the kernel's own limit
 };
 
 static const char not_regular[] = "it is not a regular file";
@@ -55,34 +53,10 @@ char *fileio_follow(const char *path) {
 
 // ---- The new file -------------------------------------------------------------------------------
 
-// The target's name followed by `.tmp` and a random number. A name that would become too long is
-// shortened.
-static char *temporary_name(const char *target) {
-    uint64_t number;
-    if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) return NULL;
-    const char *slash = strrchr(target, '/');
-    const size_t folder = slash ? (size_t)(slash - target) + 1 : 0;
-    const size_t most = NAME_MAX - SUFFIX_MAX, base = strlen(target + folder);
-    const size_t n = folder + (base < most ? base : most);
-    char *name = malloc(n + SUFFIX_MAX);
-    if (name) snprintf(name, n + SUFFIX_MAX, "%.*s.tmp%016jx", (int)n, target, (uintmax_t)number);
-    return name;
-}
-
 // Opens a file that did not exist before. Returns NULL or what went wrong.
 static const char *create(struct fileio_output *out) {
-    errno = EEXIST;
-    for (int i = 0; i < TRIES && out->fd < 0 && errno == EEXIST; i++) {
-        free(out->temporary);
-        out->temporary = temporary_name(out->target);
-        if (!out->temporary) return strerror(errno);
-        out->fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    }
-    if (out->fd >= 0) return NULL;
-    const char *problem = strerror(errno);
-    free(out->temporary);
-    out->temporary = NULL;
-    return problem;
+    out->fd = fileio_temporary_open(out->target, &out->temporary);
+    return out->fd < 0 ? strerror(errno) : NULL;
 }
 
 // Writes to a duplicate of an open file, at its current offset. This also works for files that
@@ -128,6 +102,7 @@ satin_status fileio_output_open(struct log log, const char *path, enum fileio_ne
                                 struct fileio_output *out) {
     *out = (struct fileio_output){.path = path, .fd = -1};
     const char *problem = open_output(out, need, false);
+    if (!problem && out->temporary) fileio_temporary_clean(out->target);
     if (!problem) return SATIN_OK;
     log_message(log, SATIN_LOG_ERROR, "%s: cannot write: %s", path, problem);
     fileio_output_discard(out);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Output files. A regular file is written under a new name in its folder and renamed when all of it
-// is on the disk, so it appears whole or not at all. A symbolic link is followed: the link stays,
-// and the file that it leads to is replaced or made. A character device, a named pipe and an open
-// file (/dev/stdout, /dev/fd/3) are written to directly. Everything else is refused.
+// is on the disk, so it appears whole or not at all. What a process that was killed has left
+// of it is removed when the file is written again on the same machine. A symbolic link is followed:
+// the link stays, and the file that it leads to is replaced or made. A character device, a named
+// pipe and an open file (/dev/stdout, /dev/fd/3) are written to directly. Everything else is
+// refused.
 #ifndef BASE_FILEIO_OUTPUT_H
 #define BASE_FILEIO_OUTPUT_H
 
