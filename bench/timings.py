@@ -40,7 +40,7 @@ def parser(doc, size, frames, images, rays):
     p.add_argument("--size", default=size, help="WIDTHxHEIGHT")
     p.add_argument("--frames", type=int, default=frames, help="of the animation")
     p.add_argument("--images", type=int, default=images,
-                   help="of the animation, at least 3; the other frames are taken to cost as much")
+                   help="of the animation; the other frames are taken to cost as much")
     p.add_argument("--rays", type=int, default=rays, help="gather rays of a radiance record")
     return p
 
@@ -104,13 +104,17 @@ def write_view(options, key):
 
 
 def write_walk(options, scene, frames):
-    """The path of a scene with so many frames: its name."""
+    """The path of a scene with so many frames: its name. If they are few, keyframes between the
+    first and the last one are left out that come to the frame of another one."""
     name = os.path.join(options.dir, f"{scene}-{frames}.toml")
     keys = keyframes(scene)
     scale = (frames - 1) / (keys[-1]["frame"] - 1)
+    at = {}
+    for key in [*keys[1:], keys[0]] if frames > 1 else keys[:1]:
+        at[1 + round((key["frame"] - 1) * scale)] = key
     with open(name, "w", encoding="utf-8") as file:
-        for key in keys:
-            file.write(f"[[keyframe]]\nframe = {1 + round((key['frame'] - 1) * scale)}\n"
+        for number, key in sorted(at.items()):
+            file.write(f"[[keyframe]]\nframe = {number}\n"
                        f"origin = {key['origin']}\ntarget = {key['target']}\n")
     return name
 
