@@ -1,20 +1,110 @@
 // SPDX-License-Identifier: Apache-2.0
 // The module on MPI: how the ranks of a render communicate. The counters are in memory of rank 0
 // that all ranks access [MPI 3.1, 11: one-sided communication].
+//
+// MPI does not report that a rank was killed: it waits for that rank for ever, or until mpirun ends
+// all others too. So before ranks communicate, each waits until all are there, and looks meanwhile
+// whether the processes of ranks on its own machine still exist.
+#include <errno.h>
+#include <limits.h>
 #include <mpi.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "apps/app_ranks.h"
+
+// The process of a rank.
+struct mpi_process {
+    char host[HOST_NAME_MAX + 1];
+    ino_t space;  // in which process numbers are unique: containers have their own
+    pid_t pid;
+};
 
 struct mpi_state {
     satin_ranks ranks;
     MPI_Win counters;
+    struct mpi_process *process;  // by rank
 };
+
+// There is one, as MPI is one of the process.
+static struct mpi_state *mpi_state_get(void) {
+    static struct mpi_state state;
+    return &state;
+}
+
+// The counter, behind those of satin_ranks, of ranks that end the others and have said why.
+enum { COUNTER_ABORTS = SATIN_RANKS_COUNTERS, COUNTERS };
+
+static uint64_t mpi_fetch_add(void *user, int counter, uint64_t add) {
+    struct mpi_state *state = user;
+    uint64_t before = 0;
+    MPI_Fetch_and_op(&add, &before, MPI_UINT64_T, 0, counter, MPI_SUM, state->counters);
+    MPI_Win_flush(0, state->counters);
+    return before;
+}
+
+// How long ranks are waited for before they are looked for, and how often that is done then.
+static const double PATIENCE_SECONDS = 0.05, LOOK_SECONDS = 0.1;
+
+// ---- Ranks that were killed ---------------------------------------------------------------------
+
+// Whether the process of a rank on this machine has ended; those of other machines are not known.
+static bool has_ended(const struct mpi_state *state, int rank) {
+    const struct mpi_process *own = &state->process[state->ranks.rank];
+    const struct mpi_process *other = &state->process[rank];
+    return own->space && own->space == other->space && strcmp(own->host, other->host) == 0 &&
+           kill(other->pid, 0) != 0 && errno == ESRCH;
+}
+
+// If a rank has ended without a message, ends this one; the first one that is left reports it.
+static void look_for_ranks(struct mpi_state *state) {
+    int ended = 0;
+    while (ended < state->ranks.count && !has_ended(state, ended)) ended++;
+    if (ended == state->ranks.count || mpi_fetch_add(state, COUNTER_ABORTS, 0) > 0) return;
+    int first = 0;
+    while (first < state->ranks.rank && has_ended(state, first)) first++;
+    if (first == state->ranks.rank)
+        fprintf(stderr,
+                "satin: error: rank %d (process %ld) was killed; what was done is in the "
+                "checkpoint, if there is one\n",
+                ended, (long)state->process[ended].pid);
+    // This ends all others too.
+    MPI_Abort(MPI_COMM_WORLD, APP_FAILED);
+}
+
+// Waits until all ranks are here.
+static void mpi_meet(struct mpi_state *state) {
+    MPI_Request request;
+    int done = 0;
+    const double start = MPI_Wtime();
+    double look = start + PATIENCE_SECONDS;
+    MPI_Ibarrier(MPI_COMM_WORLD, &request);
+    for (;;) {
+        MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+        if (done) return;
+        const double now = MPI_Wtime();
+        if (now > look) {
+            look_for_ranks(state);
+            look = now + LOOK_SECONDS;
+        }
+        if (now - start > PATIENCE_SECONDS)
+            usleep(100);
+        else
+            sched_yield();
+    }
+}
+
+// ---- Communication ------------------------------------------------------------------------------
 
 static void mpi_broadcast(void *user, int root, void *data, size_t size) {
     enum { MESSAGE_MOST = 1 << 30 };  // counts of MPI are int
     char *at = data;
-    (void)user;
+    mpi_meet(user);
     for (; size > 0; size -= size < MESSAGE_MOST ? size : MESSAGE_MOST) {
         const int n = size < MESSAGE_MOST ? (int)size : MESSAGE_MOST;
         MPI_Bcast(at, n, MPI_BYTE, root, MPI_COMM_WORLD);
@@ -24,17 +114,9 @@ static void mpi_broadcast(void *user, int root, void *data, size_t size) {
 
 static bool mpi_any(void *user, bool value) {
     int own = value, all = 0;
-    (void)user;
+    mpi_meet(user);
     MPI_Allreduce(&own, &all, 1, MPI_INT, MPI_LOR, MPI_COMM_WORLD);
     return all;
-}
-
-static uint64_t mpi_fetch_add(void *user, int counter, uint64_t add) {
-    struct mpi_state *state = user;
-    uint64_t before = 0;
-    MPI_Fetch_and_op(&add, &before, MPI_UINT64_T, 0, counter, MPI_SUM, state->counters);
-    MPI_Win_flush(0, state->counters);
-    return before;
 }
 
 static void mpi_reset(void *user, int counter) {
@@ -45,29 +127,45 @@ static void mpi_reset(void *user, int counter) {
     MPI_Win_flush(0, state->counters);
 }
 
+// Exchanges the processes of all ranks. False if there is no memory.
+static bool exchange_processes(struct mpi_state *state) {
+    struct mpi_process own = {.pid = getpid()};
+    struct stat space;
+    gethostname(own.host, HOST_NAME_MAX);
+    if (stat("/proc/self/ns/pid", &space) == 0) own.space = space.st_ino;
+    state->process = calloc((size_t)state->ranks.count, sizeof own);
+    if (!state->process) return false;
+    MPI_Allgather(&own, sizeof own, MPI_BYTE, state->process, sizeof own, MPI_BYTE, MPI_COMM_WORLD);
+    return true;
+}
+
 static const satin_ranks *mpi_begin(const char **problem) {
-    static struct mpi_state state;
+    struct mpi_state *state = mpi_state_get();
     int provided = 0;
     if (MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &provided) != MPI_SUCCESS ||
         provided < MPI_THREAD_SERIALIZED) {
         *problem = "this MPI cannot be called from several threads in turn";
         return NULL;
     }
-    state.ranks = (satin_ranks){.user = &state,
-                                .broadcast = mpi_broadcast,
-                                .any = mpi_any,
-                                .fetch_add = mpi_fetch_add,
-                                .reset = mpi_reset};
-    MPI_Comm_rank(MPI_COMM_WORLD, &state.ranks.rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &state.ranks.count);
+    state->ranks = (satin_ranks){.user = state,
+                                 .broadcast = mpi_broadcast,
+                                 .any = mpi_any,
+                                 .fetch_add = mpi_fetch_add,
+                                 .reset = mpi_reset};
+    MPI_Comm_rank(MPI_COMM_WORLD, &state->ranks.rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &state->ranks.count);
+    if (!exchange_processes(state)) {
+        *problem = "there is not enough memory";
+        return NULL;
+    }
     uint64_t *counter = NULL;
-    const MPI_Aint own = state.ranks.rank == 0 ? SATIN_RANKS_COUNTERS * sizeof *counter : 0;
+    const MPI_Aint own = state->ranks.rank == 0 ? COUNTERS * sizeof *counter : 0;
     MPI_Win_allocate(own, sizeof *counter, MPI_INFO_NULL, MPI_COMM_WORLD, &counter,
-                     &state.counters);
-    for (int i = 0; own && i < SATIN_RANKS_COUNTERS; i++) counter[i] = 0;
+                     &state->counters);
+    for (int i = 0; own && i < COUNTERS; i++) counter[i] = 0;
     MPI_Barrier(MPI_COMM_WORLD);
-    MPI_Win_lock_all(0, state.counters);
-    return &state.ranks;
+    MPI_Win_lock_all(0, state->counters);
+    return &state->ranks;
 }
 
 static void mpi_end(void) {
@@ -75,6 +173,9 @@ static void mpi_end(void) {
     MPI_Finalize();
 }
 
-static void mpi_abort(int status) { MPI_Abort(MPI_COMM_WORLD, status); }
+static void mpi_abort(int status) {
+    mpi_fetch_add(mpi_state_get(), COUNTER_ABORTS, 1);
+    MPI_Abort(MPI_COMM_WORLD, status);
+}
 
 SATIN_API const struct app_ranks_module satin_ranks_module = {mpi_begin, mpi_end, mpi_abort};

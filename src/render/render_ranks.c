@@ -17,10 +17,11 @@ bool render_is_first(const struct render *r) {
 static bool stopped_anywhere(void *user, bool stopped) {
     struct render *r = user;
     const satin_ranks *ranks = r->callbacks.ranks;
+    // Before the others are waited for, of which one may have been killed.
+    if (render_cancelled(r)) render_checkpoint_interrupt(r);
     if (!ranks->any(ranks->user, stopped)) return false;
     const bool cancelled = ranks->any(ranks->user, render_cancelled(r));
     if (cancelled && !render_cancelled(r)) r->progress.cancelled_in = r->progress.stage;
-    if (cancelled) render_checkpoint_interrupt(r);
     return true;
 }
 
