@@ -8,6 +8,7 @@
 #include "apps/app_animation.h"
 #include "base/array.h"
 #include "film/film.h"
+#include "render/render.h"
 
 // ---- Names --------------------------------------------------------------------------------------
 
@@ -116,13 +117,18 @@ satin_status app_frame_complete(const struct app_render_request *frame, const ch
     const satin_status status = satin_film_read(frame->output, log.fn, log.user, &film);
     if (status != SATIN_OK) return status;
     const char *own = film_attribute_get(film, "satin:job");
+    char difference[256] = "is none of an animation";
     const bool same = own && strcmp(own, job) == 0;
+    if (own && !same) {
+        const int n = snprintf(difference, sizeof difference, "has ");
+        render_describe_difference(job, own, difference + n, sizeof difference - (size_t)n);
+    }
     satin_film_free(film);
     *complete = same && has_file(frame->png) && has_file(frame->stats);
     if (same) return SATIN_OK;
     return log_fail(log, SATIN_ERROR_INPUT,
-                    "%s: not a frame of this render; without --resume it is replaced",
-                    frame->output);
+                    "%s: not a frame of this render: it %s; without --resume it is replaced",
+                    frame->output, difference);
 }
 
 // ---- Arguments ----------------------------------------------------------------------------------

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loads a scene: reads the file into a tree, builds shapes, materials, lights and a camera from the
 // tree's elements, and then the ray tracing structure and the sampling tables.
+#include <ctype.h>
+#include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -94,10 +97,14 @@ static bool find_sensor(struct load_state *loader, const struct xml_node **out) 
         if (node->tag != XML_SENSOR) continue;
         if (wanted && node->id && strcmp(node->id, wanted) == 0) {
             *out = node;
+            loader->scene->sensor_index = count;
             return true;
         }
         if (wanted && node->id) text_nearest_try(&search, node->id);
-        if (wanted ? (double)count == index : count == 0) *out = node;
+        if (wanted ? (double)count == index : count == 0) {
+            *out = node;
+            loader->scene->sensor_index = count;
+        }
         count++;
     }
     // A scene without sensors is refused later.
@@ -287,14 +294,42 @@ satin_status satin_scene_load_with(const char *path, const satin_define *defines
     return satin_scene_load_request(path, &request, log, log_user, scene);
 }
 
-// Reads the scene file, and begins the hashes with its bytes and with the choice of a sensor.
+// Appends a text in which all bytes but those of plain words are written as %XX.
+static void print_plain(FILE *out, const char *text) {
+    for (const unsigned char *at = (const unsigned char *)text; *at; at++)
+        fprintf(out, isalnum(*at) || strchr("._-+/", *at) ? "%c" : "%%%02x", *at);
+}
+
+// The parameters as one word, for messages: of many, their hash alone.
+static satin_status describe_definitions(struct load_state *loader,
+                                         const satin_scene_request *request) {
+    enum { WORD_MOST = 200 };
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return load_no_memory(loader);
+    for (size_t i = 0; i < request->define_count; i++) {
+        if (i) fputc(',', out);
+        print_plain(out, request->defines[i].name);
+        fputc('=', out);
+        print_plain(out, request->defines[i].value);
+    }
+    const bool whole = fclose(out) == 0;
+    char hash[32];
+    snprintf(hash, sizeof hash, "hash-%016" PRIx64, fileio_hash(FILEIO_HASH, text, size));
+    const char *word = size == 0 ? "none" : size <= WORD_MOST ? text : hash;
+    struct satin_scene *scene = loader->scene;
+    scene->definitions = whole ? arena_text(&scene->arena, word, strlen(word)) : NULL;
+    free(text);
+    return scene->definitions ? SATIN_OK : load_no_memory(loader);
+}
+
+// Reads the scene file, and begins the hashes with its bytes.
 static satin_status read_scene_file(struct load_state *loader, const satin_scene_request *request) {
     struct satin_scene *scene = loader->scene;
-    const char *sensor = request->sensor;
     scene->hash = FILEIO_HASH;
     scene->environment = -1;
     scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
-    if (sensor) scene->hash = fileio_hash(scene->hash, sensor, strlen(sensor) + 1);
     const satin_status status =
         load_xml_read(loader->log, loader->path, (request->flags & SATIN_SCENE_STREAM) != 0,
                       request->defines, request->define_count, &scene->hash, &loader->xml);
@@ -320,11 +355,15 @@ satin_status satin_scene_load_request(const char *path, const satin_scene_reques
     loader.sensor = request->sensor;
     loader.all_sensors = (request->flags & SATIN_SCENE_ALL_SENSORS) != 0;
     satin_status status = load_poses_begin(&loader, request);
+    if (status == SATIN_OK) status = describe_definitions(&loader, request);
     if (status == SATIN_OK) status = read_scene_file(&loader, request);
     if (status == SATIN_OK) {
         status = load_all(&loader);
         const uint64_t world = loader.scene->world;
         loader.scene->hash = fileio_hash(loader.scene->hash, &world, sizeof world);
+        const int sensor = loader.scene->sensor_index;
+        if (sensor > 0)
+            loader.scene->hash = fileio_hash(loader.scene->hash, &sensor, sizeof sensor);
         loader.scene->read = *loader.xml.read;
         *loader.xml.read = (struct fileio_files){0};
     }

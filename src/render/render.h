@@ -3,6 +3,9 @@
 #ifndef RENDER_RENDER_H
 #define RENDER_RENDER_H
 
+#include <stdbool.h>
+#include <stddef.h>
+
 #include "base/log.h"
 #include "satin/options.h"
 #include "satin/scene.h"
@@ -12,5 +15,9 @@
 // denoiser, if they need one. Returns SATIN_ERROR_INPUT, with the line that satin_render would log,
 // or SATIN_ERROR_MEMORY. Files of records are not checked.
 satin_status render_check(const satin_scene *scene, const satin_options *options, struct log log);
+
+// Describes by what the render `there` differs from that of `here`, two texts as satin_complete_fn
+// has them: `seed=2 instead of seed=0`. False if they are equal.
+bool render_describe_difference(const char *here, const char *there, char *out, size_t size);
 
 #endif

@@ -99,6 +99,8 @@ void render_views_free(struct render *r) {
     free(r->frames.view);
     free(r->frames.records);
     free(r->frames.complete);
+    // That of a frame is the animation's.
+    if (!r->motion.at_rest) free(r->frames.job);
 }
 
 uint64_t render_views_hash(const struct render *r) {
@@ -128,20 +130,21 @@ double render_frames_left(const struct render *r, double left, double elapsed) {
     return left + later * whole;
 }
 
-// A hash of all that the images depend on. The records of a file do not count if they are those
+// The words of all that the images depend on. The records of a file do not count if they are those
 // that this render would make.
 static satin_status find_job(struct render *r) {
-    char *identity = render_identity(r);
+    char *identity = render_identity(r), *job = identity;
     if (!identity) return SATIN_ERROR_MEMORY;
-    uint64_t hash = FILEIO_HASH;
     struct identity_word word;
     for (const char *at = identity; render_identity_next(&at, &word);) {
-        const bool records = word.name == 7 && strncmp(word.at, "records", 7) == 0;
-        if (!records || (r->second_pass.file && !render_cache_whole(r)))
-            hash = fileio_hash(hash, word.at, word.length + 1);
+        if (render_identity_is(&word, "records") && (!r->second_pass.file || render_cache_whole(r)))
+            continue;
+        if (job > identity) *job++ = ' ';
+        memmove(job, word.at, word.length);
+        job += word.length;
     }
-    free(identity);
-    snprintf(r->frames.job, sizeof r->frames.job, "%016llx", (unsigned long long)hash);
+    *job = 0;
+    r->frames.job = identity;
     return SATIN_OK;
 }
 

@@ -36,40 +36,12 @@ bool render_has_checkpoint(const struct render *r) { return r->callbacks.checkpo
 
 // ---- What must be equal -------------------------------------------------------------------------
 
-// Options that do not affect the image.
-static bool affects_image(const char *option) { return !text_same_name(option, "threads"); }
-
-char *render_identity(const struct render *r) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return NULL;
-    const uint64_t records =
-        fileio_hash_large(FILEIO_HASH, r->second_pass.file_bytes, r->second_pass.file_size);
-    fprintf(out, "version=%s scene=%016llx records=%016llx ", SATIN_VERSION,
-            (unsigned long long)r->scene.hash, (unsigned long long)records);
-    if (r->frames.view) fprintf(out, "views=%016llx ", (unsigned long long)render_views_hash(r));
-    const satin_animation *a = r->callbacks.animation;
-    if (a && a->motion) fprintf(out, "motion=%016llx ", (unsigned long long)a->motion);
-    options_print_words(out, &r->options, affects_image);
-    if (fclose(out) == 0) return text;
-    free(text);
-    return NULL;
-}
-
-bool render_identity_next(const char **text, struct identity_word *word) {
-    while (**text == ' ') ++*text;
-    *word = (struct identity_word){*text, strcspn(*text, " "), strcspn(*text, "= ")};
-    *text += word->length;
-    return word->length > 0;
-}
-
 static satin_status refuse_other(const struct render *r, const struct identity_word *here,
                                  const struct identity_word *there) {
     const char *path = r->callbacks.checkpoint;
-    if (here->name == 5 && strncmp(here->at, "scene", 5) == 0)
+    if (render_identity_is(here, "scene"))
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint of another scene", path);
-    if (here->name == 7 && strncmp(here->at, "records", 7) == 0)
+    if (render_identity_is(here, "records"))
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint with other records loaded",
                         path);
     return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint with %.*s, but here it is %.*s",
@@ -79,25 +51,20 @@ static satin_status refuse_other(const struct render *r, const struct identity_w
 
 // Whether two words are the number of samples per pixel, and that of the checkpoint is less.
 static bool adds_samples(const struct identity_word *here, const struct identity_word *there) {
-    return here->name == 3 && strncmp(here->at, "spp=", 4) == 0 &&
-           strncmp(there->at, "spp=", 4) == 0 && atol(there->at + 4) < atol(here->at + 4);
+    return render_identity_is(here, "spp") && atol(there->at + 4) < atol(here->at + 4);
 }
 
-// Compares the words of two identities. *more: samples are added.
-static satin_status compare_identities(const struct render *r, const char *here, const char *there,
-                                       bool *more) {
+// Compares the words of two identities: only samples may be added.
+static satin_status compare_identities(const struct render *r, const char *here,
+                                       const char *there) {
     struct identity_word a, b;
-    *more = false;
-    for (;;) {
-        const bool left = render_identity_next(&here, &a), right = render_identity_next(&there, &b);
-        if (!left && !right) return SATIN_OK;
-        if (!left || !right || a.name != b.name || strncmp(a.at, b.at, a.name) != 0)
+    while (render_identity_differ(&here, &there, &a, &b)) {
+        if (a.name != b.name || strncmp(a.at, b.at, a.name) != 0)
             return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint of another version",
                             r->callbacks.checkpoint);
-        if (a.length == b.length && memcmp(a.at, b.at, a.length) == 0) continue;
         if (!adds_samples(&a, &b)) return refuse_other(r, &a, &b);
-        *more = true;
     }
+    return SATIN_OK;
 }
 
 // ---- Opening ------------------------------------------------------------------------------------
@@ -178,13 +145,12 @@ static satin_status identify(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
     struct bytes there = {0};
     satin_status status = SATIN_OK;
-    bool more;
     if (!render_checkpoint_file_read(c->file, CHECKPOINT_IDENTITY, &there) || there.count == 0 ||
         there.data[there.count - 1] != 0)
         status = log_fail(r->log, SATIN_ERROR_INPUT, "%s: the checkpoint is damaged",
                           r->callbacks.checkpoint);
     else
-        status = compare_identities(r, c->identity, (const char *)there.data, &more);
+        status = compare_identities(r, c->identity, (const char *)there.data);
     bytes_free(&there);
     return status;
 }

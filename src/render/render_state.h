@@ -104,7 +104,7 @@ struct render_frames {
     struct camera *view;  // of all of them; NULL: the render has one image
     double *records;      // number of records that were made for each view
     bool *complete;       // whether the caller has the image of a view already
-    char job[20];         // of this render, as satin:job in its films
+    char *job;            // of this render, as satin:job in its films; from malloc
     int next;             // number of the next frame
     int wanted, begun;    // images that are to be made, and that were begun
     // Seconds from the beginning of the render to that of the present image, and of the first one.
@@ -271,14 +271,7 @@ bool render_cache_whole(const struct render *r);
 satin_status render_cache_save(const struct render *r);  // if the caller has named a file
 void render_cache_free(struct render *r);
 
-// ---- render_checkpoint.c: results that a later process need not compute again
-// Opens the caller's checkpoint, or makes a new one. From here on the pool writes to it what loops
-// have computed, or takes it from there.
-satin_status render_checkpoint_open(struct render *r);
-// The status of the render, whose loops may have been cancelled because their results could not be
-// taken from the checkpoint or from other ranks; logged.
-satin_status render_checkpoint_check(const struct render *r, satin_status status);
-void render_checkpoint_free(struct render *r);
+// ---- render_identity.c
 // All that the image depends on, as `name=value` words. From malloc; NULL if there is no memory.
 char *render_identity(const struct render *r);
 // A word `name=value` of such a text, without the blank after it.
@@ -288,6 +281,21 @@ struct identity_word {
 };
 // Goes behind the next word. False, and a word of no length, if there is none.
 bool render_identity_next(const char **text, struct identity_word *word);
+// Whether the word has this name.
+bool render_identity_is(const struct identity_word *word, const char *name);
+// Goes behind the next words that differ in two identities: *a is that of *here. Where the size of
+// the image differs by its crop, these are the words of the crop. False if there are none.
+bool render_identity_differ(const char **here, const char **there, struct identity_word *a,
+                            struct identity_word *b);
+
+// ---- render_checkpoint.c: results that a later process need not compute again
+// Opens the caller's checkpoint, or makes a new one. From here on the pool writes to it what loops
+// have computed, or takes it from there.
+satin_status render_checkpoint_open(struct render *r);
+// The status of the render, whose loops may have been cancelled because their results could not be
+// taken from the checkpoint or from other ranks; logged.
+satin_status render_checkpoint_check(const struct render *r, satin_status status);
+void render_checkpoint_free(struct render *r);
 // Whether the caller has a checkpoint, on any rank.
 bool render_has_checkpoint(const struct render *r);
 // The frames of an animation are begun; their images are not in the checkpoint.

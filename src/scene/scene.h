@@ -312,6 +312,8 @@ struct satin_scene {
     float epsilon;              // a length; coordinates are accurate to some ulp of it at best
     uint64_t triangle_count;
     uint64_t hash;                          // hash of everything that was read
+    int sensor_index;                       // of `camera` among the sensors of the file
+    const char *definitions;                // the parameters that were given: NAME=VALUE, commas
     uint64_t world;                         // hash without sensor and integrator
     struct fileio_files read;               // every file that was read, wholly or in part
     struct stats_span load_span, bvh_span;  // times of reading the scene, and of building the BVH,
