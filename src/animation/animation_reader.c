@@ -26,7 +26,8 @@ bool animation_check_keys(struct toml_reader *r, const struct toml_node *table,
 }
 
 bool animation_take_frame(struct toml_reader *r, const struct toml_node *node, double *out) {
-    if (node->kind != TOML_NUMBER) return toml_wrong(r, node, "it must be a number");
+    if (node->kind != TOML_NUMBER || isnan(node->number))
+        return toml_wrong(r, node, "it must be a number");
     if (!(node->number >= 0.0 && node->number <= NUMBER_MAX) || node->number != floor(node->number))
         return toml_wrong(r, node, "%s is not a whole number in 0..%d", node->text, NUMBER_MAX);
     *out = node->number;
@@ -43,7 +44,8 @@ bool animation_take_vector(struct toml_reader *r, const struct toml_node *table,
         return toml_wrong(r, node, "it must be three numbers, as in [0, 1, 0]");
     for (size_t k = 0; k < 3; k++) {
         const struct toml_node *number = &node->child[k];
-        if (number->kind != TOML_NUMBER) return toml_wrong(r, number, "it must be a number");
+        if (number->kind != TOML_NUMBER || isnan(number->number))
+            return toml_wrong(r, number, "it must be a number");
         if (!(fabs(number->number) <= COORDINATE_MAX))
             return toml_wrong(r, number, "%s is too large", number->text);
         out[k] = number->number;
@@ -56,7 +58,8 @@ bool animation_take_value(struct toml_reader *r, const struct toml_node *table, 
     const struct toml_node *node = toml_find(table, key);
     *out = otherwise;
     if (!node) return true;
-    if (node->kind != TOML_NUMBER) return toml_wrong(r, node, "it must be a number");
+    if (node->kind != TOML_NUMBER || isnan(node->number))
+        return toml_wrong(r, node, "it must be a number");
     if (!negative && node->number < 0.0) return toml_wrong(r, node, "%s is negative", node->text);
     if (!(fabs(node->number) <= VALUE_MAX))
         return toml_wrong(r, node, "%s is too large", node->text);

@@ -122,6 +122,9 @@ satin_status app_frame_complete(const struct app_render_request *frame, const ch
     if (own && !same) {
         const int n = snprintf(difference, sizeof difference, "has ");
         render_describe_difference(job, own, difference + n, sizeof difference - (size_t)n);
+        if (strncmp(difference + n, "spp=", 4) == 0)
+            strncat(difference, ", and samples are not added to frames",
+                    sizeof difference - strlen(difference) - 1);
     }
     satin_film_free(film);
     *complete = same && has_file(frame->png) && has_file(frame->stats);
