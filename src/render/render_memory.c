@@ -17,7 +17,7 @@ static const double TRIANGLE_BYTES = 86.0;
 // A thread takes .5 MB, and if it gathers 300 bytes for each ray of the largest hemisphere.
 static const double THREAD_BYTES = 0.6e6, RAY_BYTES = 300.0;
 // The least for photons, records and the BRDF tables, below which a render is refused.
-static const double WORK_LEAST = 24e6;
+static const double WORK_LEAST = 9e6;
 // The least number of photon paths, if the options have as many.
 static const double PATHS_LEAST = 1000.0;
 // Adaptive caching has octrees of its own over all records.
@@ -40,6 +40,14 @@ static bool reads_module(const struct satin_scene *scene) {
 static double bytes_of_scene(const struct satin_scene *scene) {
     return (double)scene->arena.bytes + TRIANGLE_BYTES * (double)scene->triangle_count +
            (reads_module(scene) ? MODULE_BYTES : 0.0);
+}
+
+// What the film takes before there is an image. The sums of the pixels, which system pages are
+// assigned to when they are first written, take more, but not before the sites of the records are
+// freed.
+static double bytes_of_film(const struct satin_scene *scene, const satin_options *o) {
+    return (double)scene->film.crop_width * (double)scene->film.crop_height * sizeof(float) *
+           render_film_channels(scene, o);
 }
 
 // Adaptive caching compares up to 24 records at a site.
@@ -79,11 +87,13 @@ satin_status render_memory_begin(struct render *r) {
     if (o->memory <= 0) return SATIN_OK;
     const bool records = render_has_stage(r, STAGE_RECORDS);
     m->limit = (double)o->memory;
-    m->fixed = PROCESS_BYTES + bytes_of_scene(&r->scene) +
-               render_image_bytes(&r->scene, &r->options, &r->callbacks);
+    const double film = bytes_of_film(&r->scene, o);
+    m->kept = PROCESS_BYTES + bytes_of_scene(&r->scene) + film;
     m->thread = THREAD_BYTES + (records ? RAY_BYTES * rays_of_hemisphere(o) : 0.0);
     if (records && o->guide_visibility) m->visibility = guide_visibility_most(&r->scene);
-    if (records) m->fixed += m->visibility + site_bytes(o);
+    m->kept += m->visibility;
+    const double sums = render_image_bytes(&r->scene, o, &r->callbacks) - film;
+    m->fixed = m->kept + fmax(sums, records ? site_bytes(o) : 0.0);
     const double work = render_has_stage(r, STAGE_PHOTONS) || records ? WORK_LEAST : 0.0;
     const double least = m->fixed + fmax(m->thread / FOR_THREADS, work);
     if (least > m->limit) {
@@ -191,12 +201,13 @@ void render_memory_end(struct render *r) {
     if (m->limit == 0.0) return;
     const struct cache *cache = r->second_pass.cache;
     const double records = stats_get(&r->stats, "records.bytes");
-    const double kept = fmax(stats_get(&r->stats, "photons.bytes") - m->visibility, 0.0) +
-                        record_copies(r) * records;
+    // While photons are traced there are no sites and sums, which come after them.
+    const double later = m->fixed - m->kept + record_copies(r) * records +
+                         fmax(stats_get(&r->stats, "photons.bytes") - m->visibility, 0.0);
     if (cache && cache_full(cache))
         log_message(r->log, SATIN_LOG_WARNING,
                     "option memory: no records beyond %zu; where they are missing, samples gather",
                     cache_count_all(cache));
     stats_set(&r->stats, "memory.estimate_bytes",
-              m->fixed + parallel_threads(r->pool) * m->thread + fmax(m->photons, kept));
+              m->kept + parallel_threads(r->pool) * m->thread + fmax(m->photons, later));
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: the option `memory`. What must be there is estimated before the work begins:
-// the program, the scene, the sums of the pixels. Of the rest a quarter is for scratch memory
-// of threads, two thirds for the photons while their maps are built, and what the maps leave of
-// three quarters for records. All of it depends on the scene and the options alone, and so does the
-// image; the threads, on which it does not depend, are limited in number.
+// the program, the scene, and the sums of the pixels or, before these, the sites of records. Of the
+// rest a quarter is for scratch memory of threads, two thirds for the photons while their maps are
+// built, and what the maps leave of three quarters for records. All of it depends on the scene and
+// the options alone, and so does the image; the threads, on which it does not depend, are limited
+// in number.
 #ifndef RENDER_MEMORY_H
 #define RENDER_MEMORY_H
 
@@ -16,9 +17,10 @@ struct render;
 // In bytes. Without a limit all are 0.
 struct render_memory {
     double limit;       // of the options
-    double fixed;       // program, scene, image
+    double kept;        // program, scene, film, what is visible of the lights
+    double fixed;       // that, and the sites of the records or the sums of the pixels
     double thread;      // of each thread
-    double visibility;  // of the lights; it is part of `fixed`
+    double visibility;  // of the lights; it is part of `kept`
     double photons;     // of making the maps, at the most
     struct photon_memory per_path;
 };
