@@ -112,8 +112,10 @@ satin_status photon_sppm_new(const struct photon_request *request, struct parall
     const int k[PROGRESSIVE_MAPS] = {photon_clamp_k(p->options->photon_k),
                                      photon_clamp_k(p->options->caustic_k)};
     parallel_begin_part(pool, "estimate");
+    const double start = stats_wall();
     for (int i = 0; i < PROGRESSIVE_MAPS && status == SATIN_OK; i++)
         status = find_discs(p->scene, &p->first[i], k[i], pool);
+    stats_add(stats, "photons.radii_s", stats_wall() - start);
     if (status == SATIN_OK)
         *out = p;
     else

@@ -66,8 +66,9 @@ const struct option options_table[] = {
      "Time limit in wall seconds for the whole render, which then ends with the best image so far; "
      "0 is no limit. Pixels without a sample get the values of their neighbours. A coarse "
      "first image and writing are never left out: they take .2 s, and .5 s more per million "
-     "pixels. If a sixteenth of the photons takes more than half of the limit, the image is "
-     "path-traced, with a warning."},
+     "pixels. If a sixteenth of the photons takes more than half of the limit, two passes "
+     "are replaced by path tracing, with a warning; integrators photons and sppm take the photons "
+     "that fit."},
     {"memory", OPTION_BYTES, AT(memory), false, "0..1P",
      "Limit of the memory of the process in bytes, with K, M, G or T for 2^10, 2^20, 2^30 or 2^40 "
      "of them, such as 4G; 0 is no limit. Photons and records, and threads, are as many as fit. A "

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: the budgets, that is how much work a render does, and when. What divides time
 // between stages, or decides how many photons, records, rays, samples or pixels a stage may use, is
-// here, in render_budget.c and in render_budget_records.c, also for stages of other folders, which
-// get such numbers in their arguments. Elsewhere are: the values of the options by quality and by
-// effort, which is core seconds per pixel (options_quality.c), and these are the base of all
-// decisions; the limit of memory (render_memory.c); and what is a property of an algorithm: the
-// size of a sample from which its accuracy follows, as of the pilot in photon_stored.c, the sizes
-// of blocks and batches, and how work is distributed among pixels or photons that are given.
+// here, in render_budget.c, render_budget_photons.c and render_budget_records.c, also for stages of
+// other folders, which get such numbers in their arguments. Elsewhere are: the values of the
+// options by quality and by effort, which is core seconds per pixel (options_quality.c), and these
+// are the base of all decisions; the limit of memory (render_memory.c); and what is a property of
+// an algorithm: the size of a sample from which its accuracy follows, as of the pilot in
+// photon_stored.c, the sizes of blocks and batches, and how work is distributed among pixels or
+// photons that are given.
 //
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,
@@ -82,7 +83,7 @@ satin_status render_limit_end(struct render *r, satin_status status);
 // Whether the limit is not reached.
 bool render_time_remains(const struct render *r);
 
-// ---- Photons
+// ---- Photons (render_budget_photons.c)
 
 // The numbers of light paths for options->photons and options->caustic_photons, which may be those
 // of the options or a fraction of them; `core_seconds` as render_core_seconds.
@@ -111,6 +112,16 @@ struct render_more_photons {
 // the global map.
 struct render_more_photons render_budget_photons(const struct render *r, double seconds,
                                                  double starved);
+// Integrators photons and sppm trace some photons, and then more until those fit.
+// The fraction of the options' photons with which they begin: a thousand paths, or all without a
+// time limit.
+double render_budget_least_photons(const satin_options *options);
+// The seconds that these photons may take from now on; INFINITY without a time limit. Of sppm it is
+// the time of one pass, of which several follow.
+double render_budget_photon_seconds(const struct render *r);
+// The fraction for the next attempt, after the fraction `made` took `seconds`, if `allowed` seconds
+// are for it: at most all photons; `made` itself if hardly more fit.
+double render_budget_more_photons(double made, double seconds, double allowed);
 // The factor by which the radius of a lookup is less if all photons are traced than if the fraction
 // `made` of them is, as it falls with the square root of their number; 1 if none or all are.
 float render_budget_lookup(double made);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first pass: as many photons as render_budget.h allows. If not even the first of them fit into
-// a time limit, as among thousands of surfaces at one position, render.c traces paths instead.
+// a time limit, as among thousands of surfaces at one position, render.c traces paths instead of
+// two passes. Integrators photons and sppm have what fits, however little (render_fit_photons.c).
 #include "render/render_image.h"
 
 // Whether the global map is read.
@@ -20,8 +21,7 @@ static satin_status build_visibility(struct render *r) {
     return status;
 }
 
-// Finds where caustic paths start, for the request, unless it is known.
-static satin_status find_emission(struct render *r, struct photon_request *request) {
+satin_status render_photon_emission(struct render *r, struct photon_request *request) {
     satin_status status = SATIN_OK;
     if (!r->first_pass.emission) {
         const double start = stats_wall();
@@ -68,12 +68,10 @@ static bool grow_paths(void *ctx, struct photon_paths *paths) {
     return true;
 }
 
-// Builds the photon maps and the visibility of the lights, from this fraction of the options'
-// photons, with `global` times as many for the global map.
-static satin_status build_maps(struct render *r, double fraction, double global) {
+satin_status render_photon_maps(struct render *r, double fraction, double global) {
     satin_options o = r->options;
-    o.photons = (int64_t)ceil((double)o.photons * fraction * global);
-    o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
+    o.photons = render_fraction(o.photons, fraction * global);
+    o.caustic_photons = render_fraction(o.caustic_photons, fraction);
     if (!reads_photons(&o)) o.photons = 0;
     set_made(r, o.photons);
     struct photon_request request = {.scene = &r->scene,
@@ -81,7 +79,7 @@ static satin_status build_maps(struct render *r, double fraction, double global)
                                      .paths = render_budget_paths(&o, render_core_seconds(r)),
                                      .grow = r->options.time > 0.0 ? NULL : grow_paths,
                                      .grow_ctx = r};
-    satin_status status = find_emission(r, &request);
+    satin_status status = render_photon_emission(r, &request);
     if (status == SATIN_OK)
         status = photon_maps_build(&request, r->pool, r->log, &r->stats, &r->first_pass.maps);
     if (status == SATIN_OK && !r->first_pass.visibility) status = build_visibility(r);
@@ -93,44 +91,33 @@ static satin_status build_maps(struct render *r, double fraction, double global)
     return status;
 }
 
-// Replaces the photon maps by new ones. The visibility of the lights is kept.
-static satin_status build_again(struct render *r, struct stats before,
-                                struct render_more_photons more) {
-    const double visibility_s = stats_get(&r->stats, "photons.visibility_s"),
-                 emission_s = stats_get(&r->stats, "photons.emission_s");
+void render_drop_photons(struct render *r, struct stats before) {
+    static const char *const kept[] = {"photons.visibility_s", "photons.emission_s"};
+    const struct stats last = r->stats;
     photon_maps_free(r->first_pass.maps);
+    photon_sppm_free(r->first_pass.sppm);
     r->first_pass.maps = NULL;
+    r->first_pass.sppm = NULL;
     r->stats = before;
-    stats_set(&r->stats, "photons.visibility_s", visibility_s);
-    stats_set(&r->stats, "photons.emission_s", emission_s);
-    return build_maps(r, more.fraction, more.global);
+    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) {
+        const double seconds = stats_get(&last, kept[i]);
+        if (seconds > 0.0) stats_set(&r->stats, kept[i], seconds);
+    }
 }
 
-// The time of the steps that grow with the number of photons.
-static double seconds_by_count(const struct stats *stats) {
-    return stats_get(stats, "photons.trace_s") + stats_get(stats, "photons.build_s") +
-           stats_get(stats, "photons.clusters_s") + stats_get(stats, "photons.precompute_s");
+double render_photon_seconds(const struct render *r) {
+    static const char *const step[] = {"photons.trace_s", "photons.build_s", "photons.clusters_s",
+                                       "photons.precompute_s", "photons.radii_s"};
+    double seconds = 0.0;
+    for (size_t i = 0; i < sizeof step / sizeof *step; i++)
+        seconds += stats_get(&r->stats, step[i]);
+    return render_agreed(r, seconds);
 }
 
 // Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
     if (render_can_trace_paths(r)) render_limit_photon_pilot(r);
-    const satin_status status = build_maps(r, fraction, 1.0);
-    if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
-    return render_limit_end(r, status);
-}
-
-// Traces the photons from which the radii of all passes are found. If there is no time for them,
-// paths are traced instead.
-static satin_status begin_passes(struct render *r) {
-    struct photon_request request = {
-        .scene = &r->scene,
-        .options = &r->options,
-        .paths = render_budget_paths(&r->options, render_core_seconds(r))};
-    render_limit_photon_pilot(r);
-    satin_status status = find_emission(r, &request);
-    if (status == SATIN_OK)
-        status = photon_sppm_new(&request, r->pool, r->log, &r->stats, &r->first_pass.sppm);
+    const satin_status status = render_photon_maps(r, fraction, 1.0);
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);
 }
@@ -169,18 +156,19 @@ satin_status render_reduce_photons(struct render *r) {
 }
 
 satin_status render_photons(struct render *r) {
-    if (render_steps(r)->passes) return begin_passes(r);
+    if (r->options.integrator != SATIN_TWO_PASS) return render_fit_photons(r);
     const struct stats before = r->stats;
     const double first = render_budget_first_photons(r);
     satin_status status = build_first(r, first);
     const bool too_slow = !render_has_stage(r, STAGE_PHOTONS);
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow || !(r->options.time > 0.0)) return status;
-    struct render_more_photons more =
-        render_budget_photons(r, render_agreed(r, seconds_by_count(&r->stats)),
-                              starved(r, first * (double)r->options.photons));
+    struct render_more_photons more = render_budget_photons(
+        r, render_photon_seconds(r), starved(r, first * (double)r->options.photons));
     if (more.global > 1.0) more.global = render_memory_grow(r, more.global);
-    return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;
+    if (!(more.fraction > 0.0)) return SATIN_OK;
+    render_drop_photons(r, before);
+    return render_photon_maps(r, more.fraction, more.global);
 }
 
 satin_status render_direct(struct render *r) {

@@ -70,6 +70,7 @@ struct render_first_pass {
     int64_t wanted;       // photons of the global map without a time limit
     bool chosen_by_user;  // the number must not be increased
     double made;          // fraction of `wanted` that was traced; 0: none were wanted
+    double fraction;      // of integrators photons and sppm, of the options' photons that fit
     struct photon_maps *maps;
     struct photon_sppm *sppm;             // of integrator sppm; it has no maps
     struct gather_direct direct;          // at the entries of the maps
@@ -125,7 +126,8 @@ struct render {
     // Given by the caller. The scene has the film size and camera of this render and owns nothing;
     // the options are resolved: no field means "the scene's" any more. render_resolve sets both.
     // After it the camera is that of the present frame, the integrator that of the course, and a
-    // limit of memory may lessen threads and photons; nothing else changes.
+    // limit of memory may lessen threads and photons, and one of time the photons of integrators
+    // photons and sppm; nothing else changes.
     struct satin_scene scene;
     satin_options options;
     satin_callbacks callbacks;
@@ -231,8 +233,18 @@ bool render_progress_report(struct render *r, double done);
 // Reduces the photons that a quality has chosen if their paths have very many bounces.
 satin_status render_reduce_photons(struct render *r);
 // Traces as many photons as a time limit allows, and makes the first-pass radiance estimate. If
-// there is no time for it, makes nothing, and the course becomes COURSE_PATHS.
+// there is no time for that of two passes, makes nothing, and the course becomes COURSE_PATHS.
 satin_status render_photons(struct render *r);
+// Finds where caustic paths start, for the request, unless it is known.
+satin_status render_photon_emission(struct render *r, struct photon_request *request);
+// Builds the photon maps and the visibility of the lights, from this fraction of the options'
+// photons, with `global` times as many for the global map.
+satin_status render_photon_maps(struct render *r, double fraction, double global);
+// The time of the steps that grow with the number of photons.
+double render_photon_seconds(const struct render *r);
+// Frees the photons, so that others replace them. The statistics are those before them again; what
+// is known of the lights is kept.
+void render_drop_photons(struct render *r, struct stats before);
 // The constants of gathering. The photon maps may be missing if there was no time for them.
 struct gather render_gather(const struct render *r);
 // Samples direct light at the entries of the precomputed irradiance, if gather rays read it.
@@ -242,8 +254,17 @@ satin_status render_pass_photons(struct render *r);
 // If each pass has new photons, skips those of the passes that a restored image has.
 void render_skip_photons(struct render *r);
 
+// ---- render_fit_photons.c
+// The fraction of a number of photons, rounded up.
+static inline int64_t render_fraction(int64_t photons, double fraction) {
+    return (int64_t)ceil((double)photons * fraction);
+}
+// Traces the photons of integrators photons and sppm, as many as a time limit allows, and sets the
+// options to them.
+satin_status render_fit_photons(struct render *r);
+
 // ---- render_paths.c
-// Whether path tracing can replace the integrator.
+// Whether path tracing can replace two passes.
 bool render_can_trace_paths(const struct render *r);
 // Goes over to COURSE_PATHS, with a new image, which has the channels of that integrator.
 // SATIN_ERROR_MEMORY, logged if it is that of the image.

@@ -103,6 +103,37 @@ static void photons_fit_into_the_time_or_are_left_out(void **state) {
     parallel_free(r.pool);
 }
 
+// Photons of integrators photons and sppm, however many there are and however short the time.
+static void photons_that_nothing_replaces_fit(void **state) {
+    (void)state;
+    struct render r = render_budget_make(1000.0);
+    satin_options *o = &r.options;
+    o->photons = 999000000;
+    o->caustic_photons = 1000000;
+    o->integrator = SATIN_PHOTONS;
+    const double first = render_budget_least_photons(o) * 1e9;
+    assert_true(first > 1000.0 && first < 2000.0);
+    assert_true(fabs(render_budget_photon_seconds(&r) - 300.0) < 1.0);
+    o->integrator = SATIN_SPPM;
+    assert_true(fabs(render_budget_photon_seconds(&r) - 100.0) < 1.0);
+    // Few that were fast show that many more fit, but not how many.
+    const double more = render_budget_more_photons(1e-6, 1e-4, 100.0);
+    assert_true(more > 10e-6 && more < 20e-6);
+    assert_true(fabs(render_budget_more_photons(0.01, 20.0, 100.0) - 0.045) < 1e-9);
+    assert_true(render_budget_more_photons(0.5, 20.0, 100.0) == 1.0);
+    // No more fit, or there is no limit.
+    assert_true(render_budget_more_photons(1e-6, 200.0, 100.0) == 1e-6);
+    assert_true(render_budget_more_photons(1e-6, 200.0, -1.0) == 1e-6);
+    o->photons = 100;
+    o->caustic_photons = 0;
+    assert_true(render_budget_least_photons(o) == 1.0);
+    o->photons = 1000000000;
+    o->time = 0.0;
+    assert_true(render_budget_least_photons(o) == 1.0);
+    assert_true(render_budget_more_photons(1.0, 1e9, render_budget_photon_seconds(&r)) == 1.0);
+    parallel_free(r.pool);
+}
+
 static void the_number_of_paths_follows_from_that_of_photons(void **state) {
     (void)state;
     satin_options o = {.photons = 300000, .caustic_photons = 7, .guide_clusters = true};
@@ -373,6 +404,7 @@ int main(void) {
         cmocka_unit_test(the_pilot_takes_a_tenth_at_most),
         cmocka_unit_test(a_limit_that_is_over_is_no_cancellation),
         cmocka_unit_test(photons_fit_into_the_time_or_are_left_out),
+        cmocka_unit_test(photons_that_nothing_replaces_fit),
         cmocka_unit_test(the_number_of_paths_follows_from_that_of_photons),
         cmocka_unit_test(as_many_paths_show_the_view_as_it_can_hold),
         cmocka_unit_test(a_short_limit_measures_less),

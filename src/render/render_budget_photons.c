@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many photons a render traces, and by how many samples it finds where light is: by the
+// options, by what the first photons have shown, and by the time limit.
+#include "render/render_budget.h"
+
+#include "render/render_state.h"
+
+// The time per photon varies a hundredfold between scenes; this fraction of them measures it.
+static const double FIRST_PHOTONS = 1.0 / 16.0;
+// The fraction of the time limit. In a bathroom whose lamps are in glass, .4 and .5 instead of .3
+// for photons leave .97 and .92 of the variance at 20 core seconds, and make indirect light
+// noisier.
+static const double PHOTONS_UNTIL = 0.3;
+// The fraction that is used of the number of photons that fit by the time of the first ones, and
+// the factor of their number from which on another pass gains more than it costs.
+static const double PHOTONS_CAUTION = 0.9, PHOTONS_AGAIN = 3.0;
+// The first photons of integrators photons and sppm, both maps, which are traced whatever the time
+// limit: a few ms. The next ones are at most FIT_GROWTH times as many, as the time of few is not
+// exact, and are traced from FIT_AGAIN times as many on. The photons of a pass of sppm take at most
+// PASS_FRACTION of the remaining time, so that some passes follow.
+static const double FIT_PATHS = 1024.0, FIT_GROWTH = 16.0, FIT_AGAIN = 2.0, PASS_FRACTION = 0.1;
+// The number of photons of indirect light per path: .5 to 2 in closed rooms; .07 in a room lit by
+// the sky, where ten times the paths made gather rays read the map instead of continuing as paths:
+// a tenth less time in all, and half of the error of indirect light. Without a time limit another
+// pass is made if the paths are to grow by STARVED_AGAIN; STARVED_MOST limits its time and memory.
+static const double KEPT_LEAST = 0.5, STARVED_AGAIN = 1.5, STARVED_MOST = 8.0;
+// With a time limit the global map has this many times the photons of the options, if they fit. In
+// a room whose floor reflects single lookups, they leave .6 of the error at 30 CPU seconds; in
+// three closed rooms 1.0, .93 and .90 of the variance at 8 CPU seconds. A denoised image follows
+// the rays that would show single lookups. Limits as long as production or longer, whose options
+// have PRODUCTION_PHOTONS or more, have those. Rooms that keep few photons get no more than before.
+static const double TIMED_PHOTONS = 2.5, PRODUCTION_PHOTONS = 2.5e6;
+enum {
+    // The number of paths for photon clusters, a sample of all photons: a fraction of those of the
+    // global map, within limits. More of them show nothing new on any machine: at 3 million photons
+    // 2^15 to 2^20 of these paths left the same error in a room with a spot and in one lit through
+    // a window, as did different seeds.
+    CLUSTER_LEAST = 1 << 15,
+    CLUSTER_MOST = 1 << 18,
+    CLUSTER_DIVISOR = 3,
+    DIRECT_DIVISOR = 2,  // one in DIRECT_DIVISOR paths is of those whose direct photons are summed
+    // Paths from the eye. Of 1024 a tenth is a hundred points, which show the ends of the boxes of
+    // what is seen. In the case window at preview (150x150, 4 samples per pixel, 6.1 core seconds)
+    // a quarter of the paths and cells of the visibility of lights gave 1.10 times the relMSE
+    // between two seeds, in .7 core seconds less; four times as many gave .91 times, in 3.6 core
+    // seconds more.
+    SEEN_PATHS = GUIDE_SEEN_PATHS_MAX,
+    VISIBILITY_PATHS = 4096,
+    // Paths of the pilot of caustics from each light, and those from the eye that show where
+    // caustics are visible: of the latter a cell of the region has 16. With 2^16 instead of 2^15 of
+    // the former, caustics of six scenes have 1.6 to .94 times the variance at 4 CPU seconds.
+    EMISSION_PATHS = 1 << 15,
+    REGION_PATHS = 1 << 14,
+    // Paths of that pilot from all lights, which bounds its time however many there are: in a
+    // bathroom they take .5 of 20 CPU seconds.
+    EMISSION_MOST = 1 << 17,
+    // The number of rays per bin of the visible environment grows with the option `photons`, which
+    // grows with effort: by one per BIN_PER photons. With 1, 3, 4 and 8 rays, light samples leave a
+    // variance of .0111, .0100, .0095 and .0088 in a room with windows, for .9, 1.9, 2.4 and 3.9 s
+    // of CPU time.
+    BIN_RAYS = 4,  // the largest number
+    BIN_PER = 100000,
+    // The largest number of bins through which a cell traces all rays. 512 leave 1.08 times the
+    // variance of direct light in a room with windows, for .64 times the CPU time.
+    OPEN_BINS = 1024,
+    // Per path, to find the box with the bins: half and double leave 1.02 and .99 times the
+    // variance of direct light in the case window, and .99 and 1.00 times in living-room.
+    BOX_RAYS = 8,
+    // From a cell to each light. They hardly matter: in two rooms with four lamps outside, 1, 8 and
+    // 64 leave 1.01, 1.00 and 1.00 times the variance, for .01, .02 and .08 seconds instead of .04.
+    LIGHT_RAYS = 32
+};
+// With a time limit of less than this many core seconds, the paths for the visibility of lights and
+// for the pilot of caustics fall in proportion, down to MEASURED_LEAST of them. At .5 core seconds
+// (64x64) all of them left no time for photons in 68 of 143 random rooms. With a quarter and a
+// sixteenth of the paths, eight of such rooms and scenes had .32 and .20 times the error of path
+// tracing instead of 2.9 times; at 1 core second .14 and .15 instead of .36. With an eighth of the
+// pilot of caustics too, four rooms had .06 times instead of .18. Fewer paths for clusters gain
+// nothing there, and a room lit by a spot had 2.7 times the error with a quarter of them.
+static const double MEASURED_SECONDS = 4.0, MEASURED_LEAST = 1.0 / 16.0;
+
+static double photons_end(const struct render *r) {
+    return r->options.time > 0.0 ? PHOTONS_UNTIL * r->options.time : INFINITY;
+}
+
+double render_budget_first_photons(const struct render *r) {
+    return r->options.time > 0.0 ? FIRST_PHOTONS : 1.0;
+}
+
+// The fraction of the samples by which the first pass finds where light is that a time limit
+// allows.
+static double measured_fraction(double core_seconds) {
+    if (!(core_seconds > 0.0)) return 1.0;
+    return fmin(fmax(core_seconds / MEASURED_SECONDS, MEASURED_LEAST), 1.0);
+}
+
+static uint64_t cluster_paths(const satin_options *o, uint64_t photons) {
+    if (!o->guide_clusters || o->integrator != SATIN_TWO_PASS) return 0;
+    const uint64_t paths = photons / CLUSTER_DIVISOR;
+    return paths < CLUSTER_LEAST ? CLUSTER_LEAST : paths > CLUSTER_MOST ? CLUSTER_MOST : paths;
+}
+
+struct photon_paths render_budget_paths(const satin_options *o, double core_seconds) {
+    const uint64_t all = o->photons > 0 ? (uint64_t)o->photons : 0;
+    const uint64_t batch = o->photon_batch > 0 ? (uint64_t)o->photon_batch : 1;
+    // What is made from the photons of the first batch alone does not grow with the others.
+    const uint64_t photons = photon_streams(o) && batch < all ? batch : all;
+    return (struct photon_paths){
+        .seen = SEEN_PATHS,
+        .global = all,
+        .batch = photons,
+        .clusters = cluster_paths(o, photons),
+        .direct = photon_precomputes_direct(o) ? photons / DIRECT_DIVISOR : 0,
+        .caustic = o->caustic_photons > 0 ? (uint64_t)o->caustic_photons : 0,
+        .emission = (int)(EMISSION_PATHS * measured_fraction(core_seconds)),
+        .emission_most = EMISSION_MOST,
+        .region = (int)(REGION_PATHS * measured_fraction(core_seconds)),
+    };
+}
+
+struct guide_visibility_samples render_budget_visibility(const satin_options *o,
+                                                         double core_seconds) {
+    const int64_t rays = o->photons / BIN_PER < BIN_RAYS ? o->photons / BIN_PER : BIN_RAYS;
+    return (struct guide_visibility_samples){
+        .paths = (int)(VISIBILITY_PATHS * measured_fraction(core_seconds)),
+        .box_rays = BOX_RAYS,
+        .bin_rays = rays < 1 ? 1 : (int)rays,
+        .open_bins = OPEN_BINS,
+        .light_rays = LIGHT_RAYS};
+}
+
+double render_budget_starved(const satin_options *o, double paths, double kept) {
+    const double more =
+        fmax(fmin(PRODUCTION_PHOTONS / fmax((double)o->photons, 1.0), TIMED_PHOTONS), 1.0);
+    const double least = o->time > 0.0 && !o->denoise ? more : 1.0;
+    const double per = more / TIMED_PHOTONS;  // photons that are needed over those of the options
+    const double wanted = KEPT_LEAST * per * paths / fmax(kept, 1.0);
+    return fmin(fmax(wanted, least), fmax(STARVED_MOST * per, least));
+}
+
+double render_budget_grow(double starved) { return starved < STARVED_AGAIN ? 1.0 : starved; }
+
+struct render_more_photons render_budget_photons(const struct render *r, double seconds,
+                                                 double starved) {
+    const struct render_more_photons none = {0.0, 0.0};
+    const double left = photons_end(r) - render_elapsed(r);
+    const double times = PHOTONS_CAUTION * left / seconds;
+    if (times < PHOTONS_AGAIN) return none;
+    const double fit = times * FIRST_PHOTONS;
+    return (struct render_more_photons){fmin(fit, 1.0), fmin(starved, fmax(fit, 1.0))};
+}
+
+double render_budget_least_photons(const satin_options *o) {
+    if (!(o->time > 0.0)) return 1.0;
+    return fmin(FIT_PATHS / fmax((double)o->photons + (double)o->caustic_photons, 1.0), 1.0);
+}
+
+double render_budget_photon_seconds(const struct render *r) {
+    if (r->options.integrator == SATIN_SPPM) return PASS_FRACTION * render_time_left(r);
+    return photons_end(r) - render_elapsed(r);
+}
+
+double render_budget_more_photons(double made, double seconds, double allowed) {
+    const double fit = PHOTONS_CAUTION * made * fmin(allowed / seconds, FIT_GROWTH);
+    if (made >= 1.0 || !(fit > FIT_AGAIN * made)) return made;
+    return fmin(fit, 1.0);
+}
+
+float render_budget_lookup(double made) {
+    return made > 0.0 && made < 1.0 ? (float)sqrt(made) : 1.0f;
+}
