@@ -198,10 +198,13 @@ static void set_by_effort(satin_options *options, const struct option *o, double
     set_number(options, o, exp(from + fraction * (to - from)));
 }
 
-void options_quality_preset(satin_options *options, satin_quality quality) {
+void options_quality_copy(satin_options *to, const satin_options *from) {
     for (int i = 0; i < options_table_count; i++)
-        if (options_table[i].by_quality)
-            copy_value(options, &preset[quality].options, &options_table[i]);
+        if (options_table[i].by_quality) copy_value(to, from, &options_table[i]);
+}
+
+void options_quality_preset(satin_options *options, satin_quality quality) {
+    options_quality_copy(options, &preset[quality].options);
 }
 
 bool options_quality_chooses_photons(const satin_options *options) {

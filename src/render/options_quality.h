@@ -22,6 +22,9 @@ void options_quality_preset(satin_options *options, satin_quality quality);
 // `seconds` of one core and an image of `pixels`. Options that the user has changed stay.
 void options_quality_seconds(satin_options *options, double seconds, double pixels);
 
+// Copies the options that quality decides.
+void options_quality_copy(satin_options *to, const satin_options *from);
+
 // Whether the number of photons is that of the preset, and not one that the user chose.
 bool options_quality_chooses_photons(const satin_options *options);
 

@@ -24,6 +24,9 @@ struct render_checkpoint {
     struct checkpoint_file *ended;    // the file of an animation whose frames are begun; else NULL
     struct parallel_journal journal;  // of the pool
     char *identity;                   // of this render, from malloc
+    char *chosen;                     // with a time limit, the options' words; from malloc
+    struct bytes image;               // with a time limit, the state of the image that was read
+    size_t image_at;                  // offset in it, behind what is of the time limit
     bool resumed;                     // the file has existed before
     bool reading;                     // its entries are read; else they are written
     bool reading_passing;             // its passing entries are read when they are asked for
@@ -44,6 +47,9 @@ static satin_status refuse_other(const struct render *r, const struct identity_w
     if (render_identity_is(here, "records"))
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint with other records loaded",
                         path);
+    if (render_identity_is(here, "time"))
+        return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint %s a time limit", path,
+                        r->options.time > 0.0 ? "without" : "with");
     return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint with %.*s, but here it is %.*s",
                     path, (int)there->length, there->at, (int)(here->length - here->name - 1),
                     here->at + here->name + 1);
@@ -101,6 +107,7 @@ static bool write_state(void *ctx, struct log log) {
     const struct render_checkpoint *c = r->checkpoint;
     struct bytes state = {0};
     const struct bytes identity = identity_bytes(c);
+    if (r->options.time > 0.0) render_timed_pack(r, c->chosen, &state);
     render_image_pack(r->image, &state);
     const satin_status status =
         state.failed
@@ -172,20 +179,49 @@ static satin_status open_file(struct render *r) {
     return status;
 }
 
+static satin_status refuse_image(const struct render *r) {
+    return log_fail(r->log, SATIN_ERROR_INPUT, "%s: the image of the checkpoint is damaged",
+                    r->callbacks.checkpoint);
+}
+
+// Reads the state of the image, which all ranks get. False if there is none.
+static bool read_image_state(struct render *r, struct bytes *out) {
+    struct render_checkpoint *c = r->checkpoint;
+    const bool found = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_IMAGE, out);
+    c->reading = false;
+    return parallel_broadcast(r->pool, found, out);
+}
+
+// With a time limit there are no loops, and the image is read now, as it has the decisions.
+static satin_status open_timed(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    c->chosen = render_options_text(&r->options);
+    if (!c->chosen) return SATIN_ERROR_MEMORY;
+    if (!read_image_state(r, &c->image)) return parallel_status(r->pool);
+    struct bytes_reader in = {c->image.data, c->image.count, false};
+    if (!render_timed_unpack(r, &in)) return refuse_image(r);
+    free(c->chosen);
+    c->chosen = render_options_text(&r->options);
+    c->image_at = c->image.count - in.left;
+    return c->chosen ? SATIN_OK : SATIN_ERROR_MEMORY;
+}
+
 satin_status render_checkpoint_open(struct render *r) {
     // An animation whose frames are all complete does no work.
     if (!r->callbacks.checkpoint || (r->callbacks.animation && !r->frames.wanted)) return SATIN_OK;
-    if (r->options.time > 0.0)
+    const bool timed = r->options.time > 0.0;
+    if (timed && !render_timed_resumes(r))
         return log_fail(r->log, SATIN_ERROR_INPUT,
-                        "a render with a time limit has no checkpoint; set spp instead of time");
-    r->checkpoint = calloc(1, sizeof *r->checkpoint);
-    if (!r->checkpoint) return SATIN_ERROR_MEMORY;
+                        "a render with a time limit has no checkpoint with integrator two-pass; "
+                        "set spp instead of time");
+    struct render_checkpoint *c = r->checkpoint = calloc(1, sizeof *c);
+    if (!c) return SATIN_ERROR_MEMORY;
     satin_status status = render_is_first(r) ? open_file(r) : SATIN_OK;
     status = render_ranks_status(r, status);
-    if (status == SATIN_OK)
-        parallel_set_journal(r->pool, render_is_first(r) ? &r->checkpoint->journal : NULL,
-                             PARALLEL_ALL_LOOPS);
-    r->checkpoint->written = stats_wall();
+    if (status == SATIN_OK && timed) status = open_timed(r);
+    if (status == SATIN_OK && !timed)
+        parallel_set_journal(r->pool, render_is_first(r) ? &c->journal : NULL, PARALLEL_ALL_LOOPS);
+    c->written = stats_wall();
     return status;
 }
 
@@ -202,6 +238,8 @@ void render_checkpoint_free(struct render *r) {
     render_checkpoint_end(r);
     render_checkpoint_file_close(r->checkpoint->file);
     render_checkpoint_file_close(r->checkpoint->ended);
+    bytes_free(&r->checkpoint->image);
+    free(r->checkpoint->chosen);
     free(r->checkpoint->identity);
     free(r->checkpoint);
 }
@@ -228,17 +266,16 @@ satin_status render_checkpoint_begin_image(struct render *r, bool *restored) {
     *restored = false;
     if (!c) return SATIN_OK;
     // Photons of a pass serve for that pass alone.
+    const bool passing = render_steps(r)->passes && !(r->options.time > 0.0);
     parallel_set_journal(r->pool, render_is_first(r) ? &c->journal : NULL,
-                         render_steps(r)->passes ? PARALLEL_PASSING_LOOPS : PARALLEL_NO_LOOPS);
-    struct bytes state = {0};
-    *restored = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_IMAGE, &state);
-    c->reading = false;
-    *restored = parallel_broadcast(r->pool, *restored, &state);
+                         passing ? PARALLEL_PASSING_LOOPS : PARALLEL_NO_LOOPS);
+    *restored = c->image.count > 0 || read_image_state(r, &c->image);
     satin_status status = parallel_status(r->pool);
+    const struct bytes state = {c->image.data + c->image_at, c->image.count - c->image_at, 0,
+                                false};
     if (status == SATIN_OK && *restored && !render_image_unpack(r->image, &state))
-        status = log_fail(r->log, SATIN_ERROR_INPUT, "%s: the image of the checkpoint is damaged",
-                          r->callbacks.checkpoint);
-    bytes_free(&state);
+        status = refuse_image(r);
+    bytes_free(&c->image);
     stats_set(&r->stats, "checkpoint.samples", (double)r->image->counts.samples);
     c->written = stats_wall();
     return status;

@@ -37,10 +37,12 @@ static void note_fraction(struct render *r, double fraction) {
 
 satin_status render_fit_photons(struct render *r) {
     const struct stats before = r->stats;
-    double fraction = render_budget_least_photons(&r->options);
+    const bool known = r->first_pass.fraction > 0.0;
+    double fraction = known ? r->first_pass.fraction : render_budget_least_photons(&r->options);
     for (;;) {
         const satin_status status = make_photons(r, fraction);
         if (status != SATIN_OK) return status;
+        if (known) break;
         const double more = render_budget_more_photons(fraction, render_photon_seconds(r),
                                                        render_budget_photon_seconds(r));
         if (!(more > fraction)) break;

@@ -27,7 +27,9 @@ char *render_identity(const struct render *r) {
             SATIN_VERSION, r->scene.sensor_index,
             r->scene.definitions ? r->scene.definitions : "none", (unsigned long long)r->scene.hash,
             (unsigned long long)records);
-    options_print_words(out, &r->options, affects_image);
+    satin_options options = r->options;
+    if (options.time > 0.0) render_timed_identity(r, &options);
+    options_print_words(out, &options, affects_image);
     // The size of the film changes the views.
     if (r->frames.view) fprintf(out, " views=%016llx", (unsigned long long)render_views_hash(r));
     const satin_animation *a = r->callbacks.animation;

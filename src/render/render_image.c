@@ -94,11 +94,11 @@ static void distribute_equally(struct render_image *image, uint64_t samples) {
 }
 
 // Sets the targets of the next pass, which has *samples samples. False: the image is done.
-static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
+static bool next_pass(struct render *r, uint64_t *samples) {
     struct render_image *image = r->image;
     parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
-    *samples = render_budget_pass(r, image->taken, per_sample);
+    *samples = render_budget_pass(r, image->taken, image->sample_seconds);
     if (*samples == 0) return false;
     if (image->taken < render_budget_equal_samples(&r->options) * pixels)
         distribute_equally(image, image->taken + *samples);
@@ -160,7 +160,7 @@ satin_status render_shading(struct render *r, const struct cache *cache) {
 }
 
 // Takes the photons of the first samples, and these samples, and plans the next pass from them.
-static satin_status begin_samples(struct image_pass *pass, double *per_sample) {
+static satin_status begin_samples(struct image_pass *pass) {
     struct render *r = pass->r;
     struct render_image *image = r->image;
     const double start = stats_wall(), limit = render_limit_lift(r);
@@ -169,7 +169,7 @@ static satin_status begin_samples(struct image_pass *pass, double *per_sample) {
     if (status != SATIN_OK) return status;
     if (!take_first_samples(pass)) return SATIN_CANCELLED;
     if (!image->taken) return SATIN_OK;
-    *per_sample = render_agreed(r, stats_wall() - start) / (double)image->taken;
+    image->sample_seconds = render_agreed(r, stats_wall() - start) / (double)image->taken;
     plan_samples(r);
     return SATIN_OK;
 }
@@ -201,14 +201,14 @@ static satin_status take_rims(struct render *r) {
 }
 
 // Takes pass after pass. A restored image goes on in the pass that had begun, or after it.
-static satin_status take_passes(struct image_pass *pass, bool restored, double per_sample) {
+static satin_status take_passes(struct image_pass *pass, bool restored) {
     struct render *r = pass->r;
     struct render_image *image = r->image;
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
     satin_status status = restored && !image->begun ? take_rims(r) : SATIN_OK;
     bool begun = restored && image->begun;
     if (restored) render_stage_skip(r, (double)image->taken / all);
-    while (status == SATIN_OK && (begun || next_pass(r, per_sample, &image->begun))) {
+    while (status == SATIN_OK && (begun || next_pass(r, &image->begun))) {
         const double start = stats_wall();
         const uint64_t samples = image->begun;
         render_stage_range(r, (double)image->taken / all, (double)samples / all);
@@ -217,7 +217,7 @@ static satin_status take_passes(struct image_pass *pass, bool restored, double p
         if (status == SATIN_OK && !render_pass_run(pass)) status = SATIN_CANCELLED;
         if (status != SATIN_OK) break;
         end_pass(r);
-        per_sample = render_agreed(r, stats_wall() - start) / (double)samples;
+        image->sample_seconds = render_agreed(r, stats_wall() - start) / (double)samples;
         status = take_rims(r);
         if (status == SATIN_OK) render_checkpoint_between(r);
     }
@@ -241,13 +241,12 @@ static satin_status take_late_rims(struct render *r) {
 static satin_status sample_passes(struct image_pass *pass) {
     struct render *r = pass->r;
     bool restored;
-    double per_sample = 0.0;
     satin_status status = render_checkpoint_begin_image(r, &restored);
     if (status == SATIN_OK && restored) render_skip_photons(r);
-    if (status == SATIN_OK && !restored) status = begin_samples(pass, &per_sample);
+    if (status == SATIN_OK && !restored) status = begin_samples(pass);
     if (render_steps(r)->coarse) return status;
     const bool begun = status == SATIN_OK;
-    if (begun) status = take_passes(pass, restored, per_sample);
+    if (begun) status = take_passes(pass, restored);
     if (status == SATIN_OK || status == SATIN_CANCELLED) {
         const satin_status rims = take_late_rims(r);
         if (rims != SATIN_OK) status = rims;

@@ -87,6 +87,7 @@ struct render_image {
     uint32_t block;               // number of samples of a block, a power of two
     uint64_t taken;               // number of samples of all passes that have ended
     uint64_t begun;               // number of samples of the pass that has begun, else 0
+    double sample_seconds;        // of one sample in the last pass; 0: none has ended
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored

@@ -7,8 +7,7 @@
 #include "render/options_table.h"
 #include "render/render_image.h"
 
-// All options as options_print_words has them, from malloc.
-static char *options_text(const satin_options *options) {
+char *render_options_text(const satin_options *options) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -79,7 +78,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
         used.width = r->scene.film.width;
         used.height = r->scene.film.height;
     }
-    char *options = options_text(&used);
+    char *options = render_options_text(&used);
     free(film->stats);
     film->stats = stats_json(&r->stats);
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&

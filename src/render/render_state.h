@@ -70,7 +70,8 @@ struct render_first_pass {
     int64_t wanted;       // photons of the global map without a time limit
     bool chosen_by_user;  // the number must not be increased
     double made;          // fraction of `wanted` that was traced; 0: none were wanted
-    double fraction;      // of integrators photons and sppm, of the options' photons that fit
+    double fraction;      // of integrators photons and sppm, of the options' photons that fit; 0:
+                          // not known yet
     struct photon_maps *maps;
     struct photon_sppm *sppm;             // of integrator sppm; it has no maps
     struct gather_direct direct;          // at the entries of the maps
@@ -344,6 +345,19 @@ void render_checkpoint_interrupt(struct render *r);
 // Waits for the copy of this process, and sets r->outcome.checkpointed.
 void render_checkpoint_end(struct render *r);
 
+// ---- render_checkpoint_timed.c: checkpoints of renders with a time limit
+// Whether the render can have one: all but two passes, which decide by measured times what each
+// record is.
+bool render_timed_resumes(const struct render *r);
+// Makes the options, but for the time limit itself, those that do not depend on measured times.
+void render_timed_identity(const struct render *r, satin_options *options);
+// Appends the seconds that the render has taken, and what it has decided by measured times:
+// `chosen` are its options, as words, when its first pass began.
+void render_timed_pack(const struct render *r, const char *chosen, struct bytes *out);
+// Takes these over: the options and photons, and a beginning of the render that many seconds ago.
+// False if the bytes are not what render_timed_pack has appended.
+bool render_timed_unpack(struct render *r, struct bytes_reader *in);
+
 // ---- render_ranks.c: several processes
 // Whether this process writes files and messages: it is alone, or rank 0.
 bool render_is_first(const struct render *r);
@@ -428,6 +442,8 @@ void render_snapshot_send(struct render *r);
 void render_snapshot_free(struct render_snapshot *snapshot);  // NULL is allowed
 
 // ---- render_metadata.c
+// All options as options_print_words has them. From malloc; NULL if there is no memory.
+char *render_options_text(const satin_options *options);
 // Sets attributes and statistics of a finished film. False if there is no memory.
 bool render_metadata(struct render *r, struct satin_film *film);
 
