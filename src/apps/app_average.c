@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "apps/app.h"
+#include "apps/app_average_check.h"
 #include "film/film.h"
 
 enum { AVERAGE_FLAG_OUTPUT, AVERAGE_FLAG_HELP };
@@ -26,7 +27,7 @@ struct averaging {
     struct satin_film *out;  // R, G, B, their variance, and the channels that the first image has
     double *sum;             // of each channel of `out` after the first six, then of R, G and B
     double *square;          // of R, G and B
-    char *options;           // options of the first image, or NULL
+    struct averaged_image *image;  // what was read of each image
 };
 
 static bool is_variance(const char *name) { return strncmp(name, "variance.", 9) == 0; }
@@ -68,22 +69,24 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
         if (strcmp(first->attribute[i].name, FILM_VARIANCE_ATTRIBUTE) != 0 &&
             strncmp(first->attribute[i].name, "cryptomatte/", 12) != 0)
             ok = film_attribute_set(a->out, first->attribute[i].name, first->attribute[i].value);
-    const char *options = film_attribute_get(first, "satin:options");
-    if (ok && options) ok = (a->options = strdup(options)) != NULL;
     return ok ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
-// Warns of an image that does not belong to the others.
-static void check_image(const struct averaging *a, const char *path,
-                        const struct satin_film *image) {
-    const char *one = film_attribute_get(a->out, "satin:scene_hash"),
-               *two = film_attribute_get(image, "satin:scene_hash"),
-               *options = film_attribute_get(image, "satin:options");
-    if (one && two && strcmp(one, two) != 0)
-        fprintf(stderr, "satin: warning: %s and %s are of different scenes\n", path, a->path[0]);
-    else if (a->options && options && strcmp(a->options, options) == 0)
-        fprintf(stderr, "satin: warning: %s and %s have the same options and seed\n", path,
-                a->path[0]);
+static char *copy_attribute(const struct satin_film *image, const char *name, bool *ok) {
+    const char *value = film_attribute_get(image, name);
+    char *copy = value ? strdup(value) : NULL;
+    *ok = *ok && (copy || !value);
+    return copy;
+}
+
+// Warns of an image that does not belong to those before it.
+static satin_status check_image(struct averaging *a, int i, const struct satin_film *image) {
+    bool ok = true;
+    a->image[i] =
+        (struct averaged_image){a->path[i], copy_attribute(image, "satin:scene_hash", &ok),
+                                copy_attribute(image, "satin:options", &ok)};
+    if (ok) app_average_check(a->image, i + 1);
+    return ok ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
 // The plane of sums of channel i of the mean: those of R, G and B are the last ones.
@@ -141,7 +144,7 @@ static satin_status write_mean(struct averaging *a, const char *output) {
         struct satin_film *image = NULL;
         status = satin_film_read(a->path[i], app_log_file, NULL, &image);
         if (status == SATIN_OK && i == 0) status = begin_average(a, image);
-        if (status == SATIN_OK && i > 0) check_image(a, a->path[i], image);
+        if (status == SATIN_OK) status = check_image(a, i, image);
         if (status == SATIN_OK) status = add_image(a, a->path[i], image);
         satin_film_free(image);
     }
@@ -180,7 +183,12 @@ int app_average(int argc, char **argv) {
     const char *output = NULL;
     bool help = false;
     a.path = calloc((size_t)argc + 1, sizeof *a.path);
-    if (!a.path) return app_no_memory();
+    a.image = calloc((size_t)argc + 1, sizeof *a.image);
+    if (!a.path || !a.image) {
+        free(a.path);
+        free(a.image);
+        return app_no_memory();
+    }
     int result = read_average_arguments(argc, argv, &a, &output, &help);
     if (result == APP_DONE && help) {
         result = app_help(1, (char *[]){"average"});
@@ -191,7 +199,11 @@ int app_average(int argc, char **argv) {
     satin_film_free(a.out);
     free(a.sum);
     free(a.square);
-    free(a.options);
+    for (int i = 0; i < a.count; i++) {
+        free(a.image[i].scene);
+        free(a.image[i].options);
+    }
+    free(a.image);
     free(a.path);
     return result;
 }
