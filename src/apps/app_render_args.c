@@ -79,7 +79,7 @@ const struct app_flag app_render_flags[] = {
     {"--quiet", "-q", NULL, "Prints errors only."},
     {"--help", "-h", NULL, "Prints this."},
     {"--quality", NULL, "draft|preview|production", "Preset; single options override it."},
-    {"--integrator", NULL, "two-pass|path|direct|photons", "How light is computed."},
+    {"--integrator", NULL, "two-pass|path|direct|photons|sppm", "How light is computed."},
     {"--first-pass", NULL, "NAME",
      "What gather rays read: precomputed, reverse, photons, path, none, recursive."},
     {"--spp", NULL, "N", "Samples per pixel."},

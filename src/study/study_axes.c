@@ -172,11 +172,43 @@ static bool add_product(struct study_reader *r, const struct axes *axes, struct 
     return true;
 }
 
+static bool sets_any(const struct study_settings *set, const char *name) {
+    for (size_t i = 0; i < set->count; i++)
+        if (text_same_name(set->setting[i].name, name)) return true;
+    return false;
+}
+
+// The first axis before the last one that sets this option; NULL if there is none.
+static const struct study_axis *earlier_axis(const struct axes *axes, const char *option) {
+    for (size_t a = 0; a + 1 < axes->count; a++)
+        for (size_t i = 0; i < axes->axis[a].count; i++)
+            if (sets_any(&axes->axis[a].value[i].set, option)) return &axes->axis[a];
+    return NULL;
+}
+
+// Whether the last axis, of this node, sets no option that another one sets: else labels would be
+// wrong.
+static bool axes_agree(struct study_reader *r, const struct toml_node *node,
+                       const struct axes *axes) {
+    const struct study_axis *last = &axes->axis[axes->count - 1];
+    for (size_t v = 0; v < last->count; v++)
+        for (size_t k = 0; k < last->value[v].set.count; k++) {
+            const char *name = last->value[v].set.setting[k].name;
+            const struct study_axis *other = earlier_axis(axes, name);
+            const struct toml_node *value = &node->child[v];
+            if (other)
+                return toml_wrong(&r->toml, value->kind == TOML_TABLE ? toml_find(value, name) : node,
+                                  "'%s' sets this option too", r->out->column[other->column].name);
+        }
+    return true;
+}
+
 static bool take_table(struct study_reader *r, const struct toml_node *table) {
     struct axes axes = {.count = 0};
     if (!study_is(r, table, TOML_TABLE, "a table of options with lists of values")) return false;
     for (size_t i = 0; i < table->count; i++)
-        if (!take_axis(r, &table->child[i], &axes)) return false;
+        if (!take_axis(r, &table->child[i], &axes) || !axes_agree(r, &table->child[i], &axes))
+            return false;
     if (r->out->columns > AXES_MAX)
         return toml_wrong(&r->toml, table, "more than %d axes", AXES_MAX);
     return add_product(r, &axes, table->at);
@@ -226,12 +258,6 @@ bool study_take_points(struct study_reader *r, const struct toml_node *node) {
 
 // ---- Equal time and equal samples ---------------------------------------------------------------
 
-static bool sets_any(const struct study_settings *set, const char *name) {
-    for (size_t i = 0; i < set->count; i++)
-        if (text_same_name(set->setting[i].name, name)) return true;
-    return false;
-}
-
 static bool is_set_anywhere(const struct study *s, const char *name) {
     bool any = sets_any(&s->set, name);
     for (size_t i = 0; i < s->points && !any; i++) any = sets_any(&s->point[i].set, name);
@@ -246,6 +272,9 @@ static bool multiply_points(struct study_reader *r, const struct toml_node *node
         return toml_wrong(&r->toml, node, "with it, neither time nor spp may be set or vary");
     struct toml_node one = *node, list = {.kind = TOML_ARRAY, .child = &one, .count = 1};
     if (node->kind == TOML_ARRAY) list = *node;
+    for (size_t i = 0; i < list.count; i++)
+        if (list.child[i].kind == TOML_NUMBER && !(list.child[i].number > 0.0))
+            return toml_wrong(&r->toml, node, "%s is not more than 0", list.child[i].text);
     one.key = NULL;
     char *key = study_array(r, strlen(name) + 1, 1);
     if (!key) return false;
