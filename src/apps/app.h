@@ -42,7 +42,7 @@ void app_help_plugins_markdown(void);
 // app_info_starts: whether a file begins with the bytes of `magic`, at most 16.
 bool app_info_starts(const char *path, const char *magic);
 satin_status app_info_cache(const char *path);
-satin_status app_info_scene(const char *path, const satin_define *define, size_t count);
+satin_status app_info_scene(const char *path, const satin_scene_request *request);
 
 // ---- Arguments (app_args.c) ---------------------------------------------------------------------
 

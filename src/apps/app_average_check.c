@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "apps/app_average_check.h"
+#include "base/text.h"
 #include "satin/options.h"
 
 // The value of a word `name=value` in the text of options, of *length bytes; NULL if there is none.
@@ -36,12 +37,6 @@ static bool has_limit(const char *options) {
     return time && strtod(time, NULL) > 0.0;
 }
 
-static bool is_listed(const char *name, const char *const *list) {
-    for (; *list; list++)
-        if (strcmp(name, *list) == 0) return true;
-    return false;
-}
-
 // The first option by which the images are not renders of one image. False if there is none. What a
 // time limit decides itself may differ, and pixels and channels are compared elsewhere.
 static bool differing_option(const char *a, const char *b, satin_option_info *out) {
@@ -51,8 +46,8 @@ static bool differing_option(const char *a, const char *b, satin_option_info *ou
     static const char *const timed[] = {"integrator", "first-pass", "quality", NULL};
     const bool limits = has_limit(a) && has_limit(b);
     for (int i = 0; satin_options_describe(&satin_options_default, i, out); i++) {
-        if (is_listed(out->name, free_options)) continue;
-        if (limits && !is_listed(out->name, timed)) continue;
+        if (text_is_one_of(out->name, free_options)) continue;
+        if (limits && !text_is_one_of(out->name, timed)) continue;
         if (!is_same(a, b, out->name)) return true;
     }
     return false;

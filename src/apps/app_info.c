@@ -5,16 +5,19 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "apps/app.h"
 #include "cache/cache.h"
 #include "film/film.h"
 
-enum { INFO_FLAG_DEFINE, INFO_FLAG_HELP };
+enum { INFO_FLAG_DEFINE, INFO_FLAG_SENSOR, INFO_FLAG_HELP };
 
 const struct app_flag app_info_flags[] = {
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
+    {"--sensor", NULL, "INDEX|ID",
+     "Describes the view of this sensor of the scene, by its id or counted from 0."},
     {"--help", "-h", NULL, "Prints this."},
     {NULL, NULL, NULL, NULL},
 };
@@ -22,9 +25,13 @@ const struct app_flag app_info_flags[] = {
 bool app_info_starts(const char *path, const char *magic) {
     char head[16];
     const size_t size = strlen(magic);
+    struct stat st;
     // Non-blocking, so that it does not wait for the other end of a named pipe.
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    bool same = file >= 0 && read(file, head, size) == (ssize_t)size && !memcmp(head, magic, size);
+    // What is read from standard input or another pipe is not there any more.
+    bool same = file >= 0 && fstat(file, &st) == 0 && S_ISREG(st.st_mode) &&
+                strncmp(path, "/dev/", 5) != 0 && read(file, head, size) == (ssize_t)size &&
+                !memcmp(head, magic, size);
     if (file >= 0) close(file);
     return same;
 }
@@ -78,42 +85,50 @@ static bool starts_as_image(const char *path) {
 
 // ---- The command --------------------------------------------------------------------------------
 
-static int read_info_arguments(struct app_args *args, satin_define *define, size_t *defines,
-                               const char **path) {
+struct info_request {
+    const char *path, *sensor;
+    satin_define *define;
+    size_t defines;
+};
+
+static int read_info_arguments(struct app_args *args, struct info_request *r) {
     char *value;
     for (;;) {
         int flag = app_args_next(args, app_info_flags, NULL, &value);
         if (flag == APP_END) break;
         if (flag == APP_BAD) return APP_WRONG;
         if (flag == INFO_FLAG_HELP) {
-            *path = NULL;
+            r->path = NULL;
             return app_help(1, (char *[]){"info"});
         }
-        if (flag == INFO_FLAG_DEFINE &&
-            !app_args_split(value, &define[*defines].name, &define[*defines].value))
+        if (flag == INFO_FLAG_SENSOR) r->sensor = value;
+        satin_define *define = &r->define[r->defines];
+        if (flag == INFO_FLAG_DEFINE && !app_args_split(value, &define->name, &define->value))
             return app_wrong("-D needs NAME=VALUE, not '%s'", value);
-        *defines += flag == INFO_FLAG_DEFINE;
-        if (flag == APP_POSITIONAL && *path) return app_wrong("info takes one file");
-        if (flag == APP_POSITIONAL) *path = value;
+        r->defines += flag == INFO_FLAG_DEFINE;
+        if (flag == APP_POSITIONAL && r->path) return app_wrong("info takes one file");
+        if (flag == APP_POSITIONAL) r->path = strcmp(value, "-") == 0 ? APP_STDIN : value;
     }
-    return *path ? APP_DONE : app_wrong("info takes one file: satin info FILE");
+    return r->path ? APP_DONE : app_wrong("info takes one file: satin info FILE");
+}
+
+static satin_status describe_file(const struct info_request *r) {
+    if (starts_as_image(r->path)) return describe_image(r->path);
+    if (app_info_starts(r->path, CACHE_FILE_MAGIC)) return app_info_cache(r->path);
+    const bool stream = strncmp(r->path, "/dev/", 5) == 0;
+    const satin_scene_request request = {.defines = r->define,
+                                         .define_count = r->defines,
+                                         .flags = stream ? SATIN_SCENE_STREAM : 0,
+                                         .sensor = r->sensor};
+    return app_info_scene(r->path, &request);
 }
 
 int app_info(int argc, char **argv) {
     struct app_args args = {.argc = argc, .argv = argv};
-    satin_define *define = calloc((size_t)argc + 1, sizeof *define);
-    size_t defines = 0;
-    const char *path = NULL;
-    if (!define) return app_no_memory();
-    int result = read_info_arguments(&args, define, &defines, &path);
-    if (result == APP_DONE && path) {
-        if (starts_as_image(path))
-            result = app_exit_of(describe_image(path));
-        else if (app_info_starts(path, CACHE_FILE_MAGIC))
-            result = app_exit_of(app_info_cache(path));
-        else
-            result = app_exit_of(app_info_scene(path, define, defines));
-    }
-    free(define);
+    struct info_request r = {.define = calloc((size_t)argc + 1, sizeof *r.define)};
+    if (!r.define) return app_no_memory();
+    int result = read_info_arguments(&args, &r);
+    if (result == APP_DONE && r.path) result = app_exit_of(describe_file(&r));
+    free(r.define);
     return result;
 }

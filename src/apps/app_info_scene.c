@@ -232,9 +232,9 @@ static satin_status describe_materials(const struct satin_scene *scene) {
     return status;
 }
 
-satin_status app_info_scene(const char *path, const satin_define *define, size_t count) {
+satin_status app_info_scene(const char *path, const satin_scene_request *request) {
     satin_scene *scene = NULL;
-    satin_status status = satin_scene_load(path, define, count, app_log_file, NULL, &scene);
+    satin_status status = satin_scene_load_request(path, request, app_log_file, NULL, &scene);
     if (status != SATIN_OK) return status;
     printf("scene      %s, hash %016" PRIx64 "\n", path, satin_scene_hash(scene));
     print_camera(scene);

@@ -197,7 +197,8 @@ static bool axes_agree(struct study_reader *r, const struct toml_node *node,
             const struct study_axis *other = earlier_axis(axes, name);
             const struct toml_node *value = &node->child[v];
             if (other)
-                return toml_wrong(&r->toml, value->kind == TOML_TABLE ? toml_find(value, name) : node,
+                return toml_wrong(&r->toml,
+                                  value->kind == TOML_TABLE ? toml_find(value, name) : node,
                                   "'%s' sets this option too", r->out->column[other->column].name);
         }
     return true;
