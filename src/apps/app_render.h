@@ -14,7 +14,7 @@
 struct app_render_request {
     const char *scene, *output, *png, *preview, *stats, *load, *save, *checkpoint, *sensor,
         *animation, *frames;
-    bool want_png, resume, quiet, help;
+    bool toned, want_png, resume, quiet, help;
     double checkpoint_seconds;
     struct app_display display;
     satin_tonemap tonemap;

@@ -195,8 +195,10 @@ static int take_flag(struct app_render_request *r, int flag, char *value) {
         case FLAG_DISPLAY:
             return app_display_read(value, &r->display);
         case FLAG_EXPOSURE:
+            r->toned = true;
             return app_take_exposure(value, &r->tonemap);
         case FLAG_TONEMAP:
+            r->toned = true;
             return app_take_tonemap(value, &r->tonemap);
         case FLAG_PNG:
             r->want_png = true;
@@ -249,6 +251,8 @@ int app_render_read(int argc, char **argv, struct app_render_request *r) {
     if (!r->scene) return app_wrong("no scene: satin render SCENE.xml -o OUT.exr");
     if (!r->output || !*r->output)
         return app_wrong("no output: satin render %s -o OUT.exr", r->scene);
+    if (r->toned && !r->want_png && !r->preview && !app_ends_in(r->output, ".png"))
+        return app_wrong("--exposure and --tonemap are those of a picture: add --png or --preview");
     satin_options checked;
     return app_exit_of(
         satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));

@@ -115,7 +115,8 @@ static unsigned char *make_picture(const struct satin_film *film, const char *na
     *status = SATIN_ERROR_ARGUMENT;
     if (!light[0] || !light[1] || !light[2]) {
         const char *dot = map->layer ? "." : "", *layer = map->layer ? map->layer : "";
-        log_fail(log, *status, "%s: the film has no channels %s%sR, G and B", name, layer, dot);
+        log_fail(log, *status, "%s: the film has no channels %s%sR, G and B%s", name, layer, dot,
+                 map->layer ? "; a layer that is shown has colours" : "");
         return NULL;
     }
     if (!isfinite(map->exposure)) {

@@ -50,14 +50,15 @@ const struct option options_table[] = {
     {"height", OPTION_INT, AT(height), false, "0..65536",
      "Film height in pixels; 0 is the scene's."},
     {"crop-x", OPTION_INT, AT(crop_x), false, "0..65535",
-     "First column of the film that is rendered, if crop-width and crop-height are not 0."},
+     "First column of the film that is rendered, if any of the four options of a crop is not 0."},
     {"crop-y", OPTION_INT, AT(crop_y), false, "0..65535",
-     "First row of the film that is rendered, if crop-width and crop-height are not 0."},
+     "First row of the film that is rendered, likewise."},
     {"crop-width", OPTION_INT, AT(crop_width), false, "0..65536",
-     "Width of the part of the film that is rendered, in pixels; 0 is the scene's crop window. "
-     "With a crop, width and height are those of the whole film."},
+     "Width of the part of the film that is rendered, in pixels; 0 is all from crop-x on. Without "
+     "a crop, the scene's crop window is rendered; with one, width and height are those of the "
+     "whole film."},
     {"crop-height", OPTION_INT, AT(crop_height), false, "0..65536",
-     "Height of the part of the film that is rendered, in pixels; 0 is the scene's crop window."},
+     "Height of the part of the film that is rendered, in pixels; 0 is all from crop-y on."},
     {"seed", OPTION_SEED, AT(seed), false, "0..18446744073709551615",
      "Seed of all random numbers. Another seed gives an image with independent noise."},
     {"threads", OPTION_INT, AT(threads), false, "0..1024",

@@ -145,6 +145,22 @@ static int all_channels(const struct satin_scene *scene, const satin_options *op
     return count;
 }
 
+// Whether a word of option layers is the only one, if it is `none`, and is not there before.
+static bool word_is_alone(const char *layers, const char *at, size_t word, const char *wanted,
+                          struct log log) {
+    if (strcmp(wanted, "none") == 0 && strlen(layers) > word) {
+        log_message(log, SATIN_LOG_ERROR, "option layers: 'none' stands alone, not in '%s'",
+                    layers);
+        return false;
+    }
+    for (const char *other = layers; other < at; other += strcspn(other, ",") + 1)
+        if (strcspn(other, ",") == word && strncmp(other, at, word) == 0) {
+            log_message(log, SATIN_LOG_ERROR, "option layers: '%s' is there twice", wanted);
+            return false;
+        }
+    return true;
+}
+
 satin_status render_film_check(const struct satin_scene *scene, const satin_options *options,
                                struct log log) {
     enum { LAYER_NAME = 128 };
@@ -156,6 +172,7 @@ satin_status render_film_check(const struct satin_scene *scene, const satin_opti
     for (const char *at = options->layers; *at;) {
         const size_t word = strcspn(at, ",");
         snprintf(wanted, sizeof wanted, "%.*s", (int)word, at);
+        if (!word_is_alone(options->layers, at, word, wanted, log)) return SATIN_ERROR_INPUT;
         struct text_nearest search = {.word = wanted};
         bool known = strcmp(wanted, "none") == 0;
         for (int i = 0; i < count && !known; i++) {

@@ -31,10 +31,11 @@ static void resize(struct satin_scene *scene, int width, int height) {
     film->crop_height = height;
 }
 
-// Replaces the scene's crop window by that of the options, after the film has got its size.
-static satin_status set_film(struct satin_scene *scene, const satin_options *o, struct log log) {
+// Replaces the scene's crop window by that of the options, after the film has got its size. If they
+// have one, *o gets its whole size.
+static satin_status set_film(struct satin_scene *scene, satin_options *o, struct log log) {
     struct scene_film *film = &scene->film;
-    const bool crop = o->crop_width > 0 && o->crop_height > 0;
+    const bool crop = o->crop_x > 0 || o->crop_y > 0 || o->crop_width > 0 || o->crop_height > 0;
     if (crop) {
         film->crop_x = film->crop_y = 0;
         film->crop_width = film->width;
@@ -42,6 +43,9 @@ static satin_status set_film(struct satin_scene *scene, const satin_options *o, 
     }
     resize(scene, o->width, o->height);
     if (!crop) return SATIN_OK;
+    // At least 1, so that a position outside of the film is refused.
+    if (o->crop_width == 0) o->crop_width = (int)fmax(film->width - o->crop_x, 1.0);
+    if (o->crop_height == 0) o->crop_height = (int)fmax(film->height - o->crop_y, 1.0);
     if ((int64_t)o->crop_x + o->crop_width > film->width ||
         (int64_t)o->crop_y + o->crop_height > film->height)
         return log_fail(log, SATIN_ERROR_INPUT,

@@ -271,9 +271,9 @@ static satin_status check_reference(struct planner *p) {
         height = options.height > 0 ? options.height
                                     : (int)fmax(1.0, floor((double)options.width * aspect + 0.5));
     }
-    if (options.crop_width > 0 && options.crop_height > 0) {
-        width = options.crop_width;
-        height = options.crop_height;
+    if (options.crop_x || options.crop_y || options.crop_width || options.crop_height) {
+        width = options.crop_width > 0 ? options.crop_width : width - options.crop_x;
+        height = options.crop_height > 0 ? options.crop_height : height - options.crop_y;
     }
     if (w == width && h == height) return SATIN_OK;
     log_error_at(p->log, scene->at, "the reference %s has %dx%d pixels, images have %dx%d",

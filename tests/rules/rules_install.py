@@ -27,6 +27,7 @@ def main():
     wanted += sorted((tree / "docs").rglob("*.md")) + sorted((tree / "docs").glob("*.png"))
     wanted += sorted((tree / "docs").glob("*.c"))
     wanted += [p for p in sorted((tree / "data/scenes").rglob("*")) if p.is_file()]
+    wanted += sorted((tree / "bench/studies").glob("*.toml"))
     readme, wrong = installed(tree / "README.md"), []
     for path in wanted:
         target = installed(path)
