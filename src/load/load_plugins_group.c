@@ -81,7 +81,7 @@ static satin_status add_instance(struct load_state *loader, const struct params 
     if (!scene_shape_transform(&shape, &load_param(p, "to_world")->m))
         return load_refuse(loader, p, "to_world is singular");
     if (group->group == GROUP_EMPTY) return SATIN_OK;
-    shape.name = load_keep_text(loader, p->node->id ? p->node->id : p->plugin->name);
+    shape.name = load_shape_name(loader, p->node, p->plugin->name);
     if (!shape.name) return load_no_memory(loader);
     shape.material = loader->shape[loader->group[shape.instance_of].first].material;
     status = load_shape_reserve(loader, p);

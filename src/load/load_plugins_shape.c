@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // <shape>: meshes from files, rectangles and cubes as meshes, spheres, disks and cylinders as exact
 // surfaces. Frames, orientation and texture coordinates are Mitsuba 3's.
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -279,6 +280,14 @@ static satin_status only_child(struct load_state *loader, const struct params *p
     return SATIN_ERROR_INPUT;
 }
 
+const char *load_shape_name(struct load_state *loader, const struct xml_node *node,
+                            const char *plugin) {
+    char name[64];
+    if (node->id) return load_keep_text(loader, node->id);
+    snprintf(name, sizeof name, "%s-%llu", plugin, (unsigned long long)loader->shape_elements);
+    return load_keep_text(loader, name);
+}
+
 satin_status load_shape_reserve(struct load_state *loader, const struct params *p) {
     if (loader->shape_count >= SHAPES_MAX)
         return load_refuse(loader, p, "the scene has too many shapes");
@@ -328,7 +337,7 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);
     if (status != SATIN_OK) return status;
     struct shape shape = {.has_id = node->id != NULL,
-                          .name = load_keep_text(loader, node->id ? node->id : p.plugin->name),
+                          .name = load_shape_name(loader, node, p.plugin->name),
                           .flip_normals = load_param(&p, "flip_normals")->b,
                           .group = loader->open_group,
                           .light = -1};

@@ -91,6 +91,10 @@ satin_status load_material_of(struct load_state *loader, struct xml_node *node, 
 // Adds a shape with its material and light, or the shapes of which it consists
 // (load_plugins_shape.c).
 satin_status load_shape_add(struct load_state *loader, struct xml_node *node);
+// The name of the last shape element that was begun: its id or, so that no two have one name, that
+// of its plugin and its number among all shapes. NULL if there is no memory.
+const char *load_shape_name(struct load_state *loader, const struct xml_node *node,
+                            const char *plugin);
 // Allocates one more shape. Logs failures.
 satin_status load_shape_reserve(struct load_state *loader, const struct params *p);
 // Adds a shape of shapes: merge, shapegroup, instance (load_plugins_group.c).

@@ -218,7 +218,7 @@ static inline vec2 scene_mesh_uv(const struct mesh *mesh, uint32_t triangle, vec
 struct shape {
     enum shape_kind kind;
     bool has_id;       // in the scene file
-    const char *name;  // this id, or the name of its plugin
+    const char *name;  // this id, or plugin-N for the N-th shape of the scene
     struct mesh mesh;  // SHAPE_MESH (rectangle and cube too)
     struct curves curves;
     struct mat4 to_world,
