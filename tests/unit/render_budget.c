@@ -396,6 +396,32 @@ static void few_samples_lead_to_paths(void **state) {
     parallel_free(r.pool);
 }
 
+// Photons, samples and items of random numbers may be more than 32 bits count.
+static void counts_do_not_wrap_at_32_bits(void **state) {
+    (void)state;
+    const uint64_t billions = 1000000000000, beyond = (uint64_t)1 << 33;
+    const satin_options many = {.photons = (int64_t)billions,
+                                .caustic_photons = (int64_t)billions - 1,
+                                .first_pass = SATIN_FIRST_PHOTONS};
+    const struct photon_paths paths = render_budget_paths(&many, 0.0);
+    assert_true(paths.global == billions && paths.caustic == billions - 1);
+    assert_true(render_fraction((int64_t)billions, 0.5) == (int64_t)(billions / 2));
+    struct render r = render_budget_make(0.0);
+    r.options.integrator = SATIN_PATH;
+    r.options.width = r.options.height = 1 << 13;
+    r.options.spp = 1 << 20;
+    assert_true(render_budget_pass(&r, beyond, 0.0) == beyond);
+    const uint64_t all = (uint64_t)1 << 46;
+    assert_true(render_budget_pass(&r, all - 5, 0.0) == 5);
+    struct rng near = rng_make(1, RNG_TEST, 7), far = rng_make(1, RNG_TEST, beyond + 7);
+    assert_int_not_equal(rng_u32(&near), rng_u32(&far));
+    struct stats stats = {0};
+    stats_set(&stats, "photons.emitted", (double)beyond);
+    stats_add(&stats, "photons.emitted", 1.0);
+    assert_true((uint64_t)stats_get(&stats, "photons.emitted") == beyond + 1);
+    parallel_free(r.pool);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(few_samples_lead_to_paths),
@@ -405,6 +431,7 @@ int main(void) {
         cmocka_unit_test(a_limit_that_is_over_is_no_cancellation),
         cmocka_unit_test(photons_fit_into_the_time_or_are_left_out),
         cmocka_unit_test(photons_that_nothing_replaces_fit),
+        cmocka_unit_test(counts_do_not_wrap_at_32_bits),
         cmocka_unit_test(the_number_of_paths_follows_from_that_of_photons),
         cmocka_unit_test(as_many_paths_show_the_view_as_it_can_hold),
         cmocka_unit_test(a_short_limit_measures_less),
