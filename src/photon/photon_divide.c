@@ -127,6 +127,7 @@ static void put_copies(const struct dividing *d, size_t i) {
                                      photon->bounces,
                                      photon->last,
                                      photon->indirect,
+                                     photon->path,
                                      photon->tilt,
                                      d->beside[i]};
     const vec3 n = photon_unpack(photon->n);

@@ -74,6 +74,7 @@ static void precompute_one(struct precompute_loop *loop, size_t entry,
     loop->out->E[entry] = photon_disc_irradiance(&disc);
     if (loop->out->last) loop->out->last[entry] = photon_disc_last(&disc);
     loop->out->radius[entry] = disc.r;
+    if (loop->out->ring && photon_few_paths(&disc)) loop->out->ring[entry] = INFINITY;
     what->map->whole_disc[entry] = !disc.corrected;
     loop->out->position.clear[entry] = photon_disc_clear(&disc);
 }

@@ -33,8 +33,8 @@ static void copy_photons(void *ctx, size_t begin, size_t end, int worker) {
         p[0] = h->p.x;
         p[1] = h->p.y;
         p[2] = h->p.z;
-        b->map->photon[i] = (struct photon){h->power, h->wi,       h->n,    h->bounces,
-                                            h->last,  h->indirect, h->tilt, h->copies};
+        b->map->photon[i] = (struct photon){h->power,    h->wi,   h->n,    h->bounces, h->last,
+                                            h->indirect, h->path, h->tilt, h->copies};
     }
 }
 

@@ -31,6 +31,7 @@ struct photon_hit {
     uint8_t bounces;    // number of its bounces before, at most PHOTON_BOUNCES_MOST
     bool last : 1;      // whether it has bounced as often as photons may
     bool indirect : 1;  // whether it is of class PHOTON_INDIRECT
+    uint8_t path : 6;   // a hash of the light path on which it is
     int8_t tilt;        // see photon_pack_tilt
     uint8_t copies;  // of a divided photon: how many of its copies an estimate there counts, apart
                      // from this one
@@ -42,6 +43,7 @@ struct photon {
     uint32_t wi, n;
     uint8_t bounces;  // these as in photon_hit
     bool last : 1, indirect : 1;
+    uint8_t path : 6;
     int8_t tilt;
     uint8_t copies;
 };
@@ -300,6 +302,9 @@ static inline struct photon_reflection photon_reflection_make(const struct frame
 rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_reflection *at);
 // That part of the irradiance whose photons have bounced as often as they may.
 rgb photon_disc_last(const struct photon_disc *disc);
+// Whether the photons are those of few light paths. In a crack between bright walls a photon that
+// has found its way in is stored dozens of times, and looks like dense light.
+bool photon_few_paths(const struct photon_disc *disc);
 // The variance of the irradiance, summed over the channels: the sum of the squares.
 float photon_disc_variance(const struct photon_disc *disc);
 // The least distance from the centre to a wall or an edge, by the sectors of the disc.
@@ -338,7 +343,8 @@ struct photon_irradiance {
     uint8_t *bounces;  // by entry of light that ends: the largest number of bounces of a photon of
                        // its estimate; NULL: not limited
     float *radius;     // by entry: radius of its estimate; INFINITY: the map has too few photons
-    float *ring;       // by entry: photon_ring_radius; NULL for light that ends
+    float *ring;       // by entry: photon_ring_radius; INFINITY: its photons are of few light
+                       // paths; NULL for light that ends
     float fade2;       // squared distance from which on an entry fades, over its squared radius
     bool ends;         // whether its light is 0 from three times that distance on
     float far2;        // squared distance of rows beyond which no entry is used

@@ -70,6 +70,7 @@ static bool store_photon(const struct satin_scene *scene, struct photon_chunk *c
                              .bounces = photon->bounces,
                              .last = photon->last,
                              .indirect = class == PHOTON_INDIRECT,
+                             .path = photon->path,
                              .tilt = tilt_by_normal(scene, s, wi, n)};
     for (int i = 0; i < PHOTON_CONSUMERS; i++) {
         if (!(photon->classes[i] >> class & 1u)) continue;

@@ -27,6 +27,7 @@ struct photon_path {
     rgb power;
     uint8_t bounces;  // these as in photon_hit
     bool last;
+    uint8_t path;
     enum photon_class class;             // direct, unless a chain deflects it: see class_of
     struct light_chain chain;            // of a direct photon
     unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets from this path

@@ -121,6 +121,7 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
             rng_make(tracing->seed, tracing->emission ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct photon_path photon;
         if (!start_path(run, light, path - run->first[light], &photon, &chunk->refused)) continue;
+        photon.path = (uint8_t)(rng_mix(path) >> 58);
         chunk->power.emitted += (double)rgb_luminance(photon.power);
         photon_path_follow(tracing->scene, tracing->emission != NULL, tracing->bounces, photon,
                            &rng, chunk);

@@ -65,7 +65,7 @@ static void photon_caustic_smooth_build(struct test_scene *t, light_fn light, bo
         if (rng_float(&rng) >= light(x, y)) continue;
         const uint32_t up = photon_pack(v3(0, 0, 1));
         hit[count++] = (struct photon_hit){
-            v3(x, y, 0), rgb_grey(4.0f / PHOTONS), up, up, 0, false, false, 0, 0};
+            v3(x, y, 0), rgb_grey(4.0f / PHOTONS), up, up, 0, false, false, 0, 0, 0};
     }
     precompute(t, hit, count, smooth, map, out);
     free(hit);
@@ -149,7 +149,8 @@ static void normals_count_without_a_radius(void **state) {
         for (int i = 0; i < PHOTONS; i++) {
             const float x = 2.0f * rng_float(&rng) - 1.0f, y = 2.0f * rng_float(&rng) - 1.0f;
             const vec3 p = i < SPREAD ? v3(x, y, 0) : v3(0.04f * (float)(i % POINTS), 0.9f, 0);
-            hit[i] = (struct photon_hit){p, rgb_grey(4.0f / SPREAD), up, up, 0, false, false, 0, 0};
+            hit[i] =
+                (struct photon_hit){p, rgb_grey(4.0f / SPREAD), up, up, 0, false, false, 0, 0, 0};
         }
         photon_caustic_smooth_scene_of(&t, false);
         precompute(&t, hit, few ? K / 2 : PHOTONS, !few, &map, &r);

@@ -56,7 +56,7 @@ static void photon_cover_setup(struct cover_case *c, int k) {
         const vec3 p = photon_cover_position(&rng, i);
         const uint8_t bounces = (uint8_t)(rng_float(&rng) * 5.0f);
         const int8_t tilt = photon_pack_tilt(0.2f + 2.0f * rng_float(&rng));
-        hit[i] = (struct photon_hit){p, rgb_grey(power), up, up, bounces, false, false, tilt, 0};
+        hit[i] = (struct photon_hit){p, rgb_grey(power), up, up, bounces, false, false, 0, tilt, 0};
     }
     assert_int_equal(
         photon_map_build(&c->scene.scene, hit, COUNT, c->pool, (struct log){0}, &c->map), SATIN_OK);

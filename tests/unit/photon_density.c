@@ -32,7 +32,7 @@ static void photon_density_build(const struct test_scene *t, size_t count,
     for (size_t i = 0; i < count; i++) {
         const float u = rng_float(&rng), v = rng_float(&rng);
         hit[i] = (struct photon_hit){
-            distribution(u, v), rgb_grey(1.0f / (float)count), up, up, 0, false, false, 0, 0};
+            distribution(u, v), rgb_grey(1.0f / (float)count), up, up, 0, false, false, 0, 0, 0};
     }
     struct parallel *pool = parallel_new(2);
     assert_non_null(pool);

@@ -30,7 +30,7 @@ static struct photon_map divide_map(const struct test_scene *t, float strong,
     struct rng rng = rng_make(1, RNG_TEST, 0);
     for (int i = 0; i <= WEAK; i++) {
         const vec3 p = v3(2.0f * rng_float(&rng) - 1.0f, 2.0f * rng_float(&rng) - 1.0f, 0.0f);
-        hit[i] = (struct photon_hit){p, rgb_grey(1.0f / WEAK), up, up, 0, false, false, 0, 0};
+        hit[i] = (struct photon_hit){p, rgb_grey(1.0f / WEAK), up, up, 0, false, false, 0, 0, 0};
     }
     hit[WEAK].p = v3(0, 0, 0);
     hit[WEAK].power = rgb_grey(strong / WEAK);

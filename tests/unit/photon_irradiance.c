@@ -54,7 +54,62 @@ static void radius_does_not_follow_noise(void **state) {
     test_scene_free(&t);
 }
 
+// A box of half-width .3 with bright walls, and a slit of .002 in its thin lid.
+static void add_box_with_slit(struct test_scene *t, uint32_t bright) {
+    const float half = 0.3f, thick = 0.15f, thin = 0.001f, slit = 0.001f;
+    const float lid = 0.5f * (half - slit);
+    for (int side = -1; side <= 1; side += 2) {
+        const float s = (float)side, at = s * (half + thick);
+        test_cube(t, test_transform(v3(at, 0, 0), v3(thick, half, half)), false, bright);
+        test_cube(t, test_transform(v3(0, at, 0), v3(half, thick, half)), false, bright);
+        test_cube(t, test_transform(v3(s * (slit + lid), 0, half + thin), v3(lid, half, thin)),
+                  false, bright);
+    }
+    test_cube(t, test_transform(v3(0, 0, -half - thick), v3(half, half, thick)), false, bright);
+}
+
+// A photon that has found its way into a box bounces there dozens of times. What few of them leave
+// is not read as if it were dense light; light on the outside is read.
+static void few_paths_are_not_read(void **state) {
+    (void)state;
+    enum { POINTS = 1024 };
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    test_area_light(&t, test_cube(&t, mat4_identity(), true, grey), rgb_grey(1.0f));
+    add_box_with_slit(&t, test_diffuse(&t, 0.998f, 0.998f, 0.998f));
+    test_scene_finish(&t);
+    satin_options o = satin_options_default;
+    o.photons = 100000;
+    o.caustic_photons = 0;
+    o.photon_k = 50;
+    struct stats stats = {0};
+    struct photon_maps *maps = NULL;
+    struct parallel *pool = parallel_new(2);
+    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
+    int lit = 0, read_inside = 0, read_outside = 0;
+    for (int i = 0; i < POINTS; i++) {
+        const vec2 u = sample_sobol2((uint32_t)i, 0);
+        const vec3 p = v3(0.6f * u.x - 0.3f, 0.6f * u.y - 0.3f, -0.3f), up = v3(0, 0, 1);
+        float radius;
+        const rgb E = photon_irradiance_at(maps, &t.scene, p, up, &radius, NULL);
+        lit += E.g > 0.0f;
+        read_inside += isfinite(radius);
+        photon_irradiance_at(maps, &t.scene, v3_sub(p, v3(0, 0, 0.3f)), v3_neg(up), &radius, NULL);
+        read_outside += isfinite(radius);
+    }
+    print_message("of %d points inside %d are lit, and %d read; of those outside, %d\n", POINTS,
+                  lit, read_inside, read_outside);
+    assert_true(lit == POINTS);
+    assert_true(read_inside < POINTS / 4);
+    assert_true(read_outside == POINTS);
+    photon_maps_free(maps);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(radius_does_not_follow_noise)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(radius_does_not_follow_noise),
+                                       cmocka_unit_test(few_paths_are_not_read)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
