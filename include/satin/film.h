@@ -70,8 +70,10 @@ SATIN_API satin_status satin_film_write_exr_as(const satin_film *film, const cha
 
 // How light becomes a picture. All zero: the beauty, as it is, clamped.
 typedef enum satin_tone {
-    SATIN_TONE_CLIP,   // linear up to 1, where the display is white
-    SATIN_TONE_FILMIC  // keeps details of bright parts
+    SATIN_TONE_CLIP,    // linear up to 1, where the display is white
+    SATIN_TONE_FILMIC,  // keeps details of bright parts
+    SATIN_TONE_AGX  // as well, and bright colours become pale without changing their hue [Sobotka
+                    // 2022]
 } satin_tone;
 typedef struct satin_tonemap {
     const char *layer;   // the layer of which channels .R, .G and .B are shown; NULL: the beauty

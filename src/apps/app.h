@@ -110,7 +110,7 @@ int app_no_memory(void);
     "`auto+STOPS`, first makes its mean logarithm that of 18 % grey."
 #define APP_TONEMAP_DOC                                                                          \
     "How light becomes the picture's tones: `clip` is linear, `filmic` keeps details of bright " \
-    "parts."
+    "parts, and `agx` their hues too."
 
 // Read the values of --exposure and --tonemap. Report a wrong one and return APP_WRONG.
 int app_take_exposure(const char *value, satin_tonemap *tonemap);

@@ -69,7 +69,7 @@ const struct app_flag app_render_flags[] = {
     {"--crop", NULL, "X,Y,W,H",
      "Renders W x H pixels of the film, from column X and row Y on, instead of the scene's crop."},
     {"--exposure", NULL, "STOPS|auto", APP_EXPOSURE_DOC},
-    {"--tonemap", NULL, "clip|filmic", APP_TONEMAP_DOC},
+    {"--tonemap", NULL, "clip|filmic|agx", APP_TONEMAP_DOC},
     {"--float", NULL, NULL,
      "Writes 32-bit floats in all channels; otherwise channels of colours have 16 bits."},
     {"--compression", NULL, "zip|zips|piz|rle|none", "How the OpenEXR file is compressed."},

@@ -19,7 +19,7 @@ enum {
 const struct app_flag app_tonemap_flags[] = {
     {"--output", "-o", "OUT.png", "The picture."},
     {"--exposure", NULL, "STOPS|auto", APP_EXPOSURE_DOC},
-    {"--tonemap", NULL, "clip|filmic", APP_TONEMAP_DOC},
+    {"--tonemap", NULL, "clip|filmic|agx", APP_TONEMAP_DOC},
     {"--layer", NULL, "NAME", "Shows this layer, for example direct, instead of the beauty."},
     {"--help", "-h", NULL, "Prints this."},
     {NULL, NULL, NULL, NULL},
@@ -41,11 +41,14 @@ int app_take_exposure(const char *value, satin_tonemap *tonemap) {
 }
 
 int app_take_tonemap(const char *value, satin_tonemap *tonemap) {
-    const bool filmic = strcmp(value, "filmic") == 0;
-    if (!filmic && strcmp(value, "clip") != 0)
-        return app_wrong("--tonemap needs clip or filmic, not '%s'", value);
-    tonemap->tone = filmic ? SATIN_TONE_FILMIC : SATIN_TONE_CLIP;
-    return APP_DONE;
+    static const char *const name[] = {
+        [SATIN_TONE_CLIP] = "clip", [SATIN_TONE_FILMIC] = "filmic", [SATIN_TONE_AGX] = "agx"};
+    for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
+        if (strcmp(value, name[i]) != 0) continue;
+        tonemap->tone = (satin_tone)i;
+        return APP_DONE;
+    }
+    return app_wrong("--tonemap needs clip, filmic or agx, not '%s'", value);
 }
 
 static int write_picture(const char *image, const char *path, const satin_tonemap *tonemap) {

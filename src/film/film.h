@@ -82,6 +82,10 @@ struct film_pixels {
 // Encodes a picture as a PNG. `name` is for messages. The caller frees *data.
 satin_status film_encode_pixels(const char *name, const struct film_pixels *picture, struct log log,
                                 void **data, size_t *size);
+// ---- film_tonemap.c
+// The light that a display shows for this light, to be encoded; values beyond [0, 1] are clamped
+// then. Light that is not finite becomes white, no value black.
+rgb film_tone(satin_tone tone, rgb light);
 // The factor of auto exposure for R, G and B, planes of the film's size.
 double film_auto_exposure(const struct satin_film *film, const float *const light[3]);
 // The 8-bit sRGB pixels of a picture as satin_film_write_png writes it, but without alpha, over

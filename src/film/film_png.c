@@ -56,32 +56,7 @@ satin_status film_write_pixels(const char *path, const struct film_pixels *pictu
     return status;
 }
 
-// ---- Tone mapping -------------------------------------------------------------------------------
-
-// The luminance that auto exposure makes the mean one: that of a grey card.
-static const double GREY = 0.18;
-
-// The factor by which the mean logarithm of the luminance becomes that of GREY [Reinhard et al.
-// 2002, equation 1]. Pixels that are black or not finite are left out.
-double film_auto_exposure(const struct satin_film *film, const float *const light[3]) {
-    const size_t pixels = (size_t)film->width * (size_t)film->height;
-    double sum = 0.0, count = 0.0;
-    for (size_t i = 0; i < pixels; i++) {
-        const double Y = (double)rgb_luminance(rgb_make(light[0][i], light[1][i], light[2][i]));
-        if (!(Y > 0.0) || !isfinite(Y)) continue;
-        sum += log(Y);
-        count++;
-    }
-    return count > 0.0 ? GREY / exp(sum / count) : 1.0;
-}
-
-// The response of film that the academy's reference transform has [Narkowicz 2016, a fit].
-static float filmic(float x) {
-    if (!(x > 0.0f)) return 0.0f;
-    // Beyond this the fit is above 1, and squares of larger values would overflow.
-    if (x > 1e3f) return 1.0f;
-    return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
-}
+// ---- Pictures -----------------------------------------------------------------------------------
 
 // The channel .R, .G or .B of a layer, or of the beauty if `layer` is NULL.
 static const float *shown_channel(const struct satin_film *film, const char *layer, char colour) {
@@ -135,11 +110,13 @@ static unsigned char *make_picture(const struct satin_film *film, const char *na
     for (size_t i = 0; i < pixels; i++) {
         const bool covered = alpha && alpha[i] > 0.0f;
         const float multiplied = covered ? fminf(alpha[i], 1.0f) : 1.0f;
-        for (size_t c = 0; c < 3; c++) {
-            const float x = factor * light[c][i] / multiplied;
-            pixel[channels * i + c] =
-                film_encode_srgb(map->tone == SATIN_TONE_FILMIC ? filmic(x) : x);
-        }
+        const float scale = factor / multiplied;
+        const rgb shown = film_tone(
+            map->tone, rgb_make(scale * light[0][i], scale * light[1][i], scale * light[2][i]));
+        unsigned char *at = pixel + channels * i;
+        at[0] = film_encode_srgb(shown.r);
+        at[1] = film_encode_srgb(shown.g);
+        at[2] = film_encode_srgb(shown.b);
         if (alpha) pixel[4 * i + 3] = covered ? (unsigned char)lrintf(255.0f * multiplied) : 0;
     }
     return pixel;
