@@ -63,6 +63,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.load_s", r->scene.load_span.wall_s);
     stats_set(&r->stats, "time.cpu_s", stats_cpu());
     stats_set(&r->stats, "render.threads", parallel_threads(r->pool));
+    stats_set(&r->stats, "render.replaced", r->progress.replaced);
     set_ranks(r);
     render_memory_end(r);
     stats_set(&r->stats, "memory.peak_bytes", stats_peak_memory());

@@ -174,6 +174,7 @@ static const struct {
     {"photons", offsetof(struct study_result, photons)},
     {"records", offsetof(struct study_result, records)},
     {"spp", offsetof(struct study_result, spp)},
+    {"replaced", offsetof(struct study_result, replaced)},
 };
 enum { STORED = sizeof stored / sizeof *stored };
 
@@ -230,6 +231,7 @@ static void take_stats(const char *stats, struct study_result *result) {
     result->records =
         json_value(stats, "records.irradiance") + json_value(stats, "records.radiance");
     result->spp = json_value(stats, "image.spp");
+    result->replaced = json_value(stats, "render.replaced");
 }
 
 static satin_status write_result(const struct study_store *store, struct log log,

@@ -23,10 +23,11 @@ static void csv_header(const struct study *s, struct study_text *out) {
         study_text_add(out, ",");
         study_text_csv(out, s->column[c].name);
     }
-    study_text_add(out,
-                   ",seed,relmse,mean_ratio,bias2,bias2_error,variance,first_pass_relmse,"
-                   "first_pass_mean_ratio,first_pass_bias2,first_pass_variance,reference_noise,"
-                   "status,signal,samples,photons,records,threads,command,seconds_s,cpu_s");
+    study_text_add(
+        out,
+        ",seed,relmse,mean_ratio,bias2,bias2_error,variance,first_pass_relmse,"
+        "first_pass_mean_ratio,first_pass_bias2,first_pass_variance,reference_noise,"
+        "status,signal,samples,photons,records,threads,replaced,command,seconds_s,cpu_s");
     for (int i = 0; i < STUDY_STAGES; i++) study_text_add(out, ",%s_s", study_stage_name[i]);
     study_text_add(out, ",memory_mb\n");
 }
@@ -56,7 +57,8 @@ static void csv_row(const struct study_report *report, size_t scene, size_t poin
                              found->first_pass.variance,
                              report->reference_noise[scene]};
     const double counts[] = {if_positive(result->spp), if_positive(result->photons),
-                             if_positive(result->records), if_positive(result->threads)};
+                             if_positive(result->records), if_positive(result->threads),
+                             result->done ? result->replaced : NAN};
     const double times[] = {if_positive(result->wall_s), if_positive(result->cpu_s)};
     char *command = study_command(render);
     study_text_csv(out, s->scene[scene].name);
@@ -134,6 +136,7 @@ static void json_run(const struct study_report *report, size_t scene, size_t poi
     json_member(out, "photons", if_positive(result->photons));
     json_member(out, "records", if_positive(result->records));
     json_member(out, "threads", if_positive(result->threads));
+    json_member(out, "replaced", result->done ? result->replaced : NAN);
     study_text_add(out, "\"stages\": [");
     for (int i = 0; i < STUDY_STAGES; i++) {
         study_text_add(out, i ? ", " : "");
