@@ -71,14 +71,15 @@ struct parallel_results {
     bool (*unpack)(void *ctx, size_t begin, size_t end, struct bytes_reader *in);
     bool if_cancelled;  // whether the chunks that were begun are of use if the loop is cancelled
     bool journaled;     // whether the results are written to the journal
-    bool passing;       // of these, those that serve only until the results of a later loop are
-                        // written; they are written only if the loop takes long
+    // Not 0: results that serve only until those of a later loop are written, and are written only
+    // if this loop takes long. The number is one that other such loops before do not have.
+    uint32_t passing;
 };
 
 // An entry of the journal: results of some chunks of a loop.
 struct parallel_entry {
-    bool passing;  // as in struct parallel_results
-    bool last;     // no further entry of this loop follows
+    uint32_t passing;  // as in struct parallel_results
+    bool last;         // no further entry of this loop follows
 };
 
 // Keeps the results of loops, so that a later process need not run them again.

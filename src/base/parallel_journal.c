@@ -4,7 +4,8 @@
 // while it runs, and entries of a limited size need little memory.
 #include "base/parallel_pool.h"
 
-enum { ENTRY_BYTES = 1 << 26 };  // results of an entry, but for its last chunk
+// Results of an entry, but for its last chunk. A process that is killed while it writes loses one.
+enum { ENTRY_BYTES = 1 << 24 };
 
 bool parallel_is_journaled(const struct parallel *pool, const struct parallel_results *results) {
     const enum parallel_journaled least =
@@ -87,7 +88,8 @@ void parallel_journal_write(const struct results_loop *loop) {
     const struct parallel_journal *journal = loop->pool->division.journal;
     const size_t done = parallel_chunks_done(loop);
     size_t left = count_unwritten(loop), chunk = 0;
-    const bool whole = done == loop->chunks, passing = loop->results->passing;
+    const bool whole = done == loop->chunks;
+    const uint32_t passing = loop->results->passing;
     // Passing results of a loop that no entry has were made in a short time.
     if (!journal || (passing && whole && left == done) || (left == 0 && !whole)) return;
     struct bytes bytes = {0};

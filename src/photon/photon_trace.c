@@ -222,6 +222,12 @@ static satin_status join(struct run *run, size_t chunks, int consumer, struct ph
     return SATIN_OK;
 }
 
+// The number of the loop in the journal; 0: it is not a passing one.
+static uint32_t passing_number(const struct photon_tracing *tracing) {
+    const uint32_t number = (uint32_t)rng_mix(tracing->seed + (tracing->emission != NULL));
+    return !tracing->passing ? 0 : number ? number : 1;
+}
+
 static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_CONSUMERS]) {
     if (!allocate_photon_paths(run)) return SATIN_ERROR_MEMORY;
     const size_t paths = (size_t)run->first[run->tracing->scene->light_count];
@@ -233,7 +239,7 @@ static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_CO
     const struct parallel_results photons = {.pack = pack_photons,
                                              .unpack = unpack_photons,
                                              .journaled = true,
-                                             .passing = run->tracing->passing};
+                                             .passing = passing_number(run->tracing)};
     if (!parallel_for_results(run->pool, paths, run->chunk_paths, trace_photon_paths, run,
                               &photons))
         status = SATIN_CANCELLED;

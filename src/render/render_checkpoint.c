@@ -79,13 +79,16 @@ static satin_status compare_identities(const struct render *r, const char *here,
 static bool read_loop(void *user, struct parallel_entry *entry, struct bytes *out) {
     struct render *r = user;
     struct render_checkpoint *c = r->checkpoint;
-    bool *reading = entry->passing ? &c->reading_passing : &c->reading;
     const unsigned passing = entry->passing ? CHECKPOINT_PASSING : 0;
-    if (!*reading || !c->file) return false;
-    entry->last = render_checkpoint_file_read(c->file, CHECKPOINT_LOOP | passing, out);
-    *reading = entry->last || render_checkpoint_file_read(c->file, CHECKPOINT_PIECE | passing, out);
+    if (!(passing ? c->reading_passing : c->reading) || !c->file) return false;
+    entry->last =
+        render_checkpoint_file_read(c->file, CHECKPOINT_LOOP | passing, entry->passing, out);
+    const bool found = entry->last || render_checkpoint_file_read(
+                                          c->file, CHECKPOINT_PIECE | passing, entry->passing, out);
+    // The next passing entry may be that of a later loop.
+    if (!found && !passing) c->reading = false;
     stats_add(&r->stats, "checkpoint.loops", entry->last);
-    return *reading;
+    return found;
 }
 
 // After a failure nothing more is written, and the render goes on.
@@ -132,7 +135,8 @@ static void write_loop(void *user, struct parallel_entry entry, const struct byt
     const unsigned kind = (entry.last ? CHECKPOINT_LOOP : CHECKPOINT_PIECE) | passing;
     if (c->file && entry.passing && atomic_load(&r->image->unwritten)) write_now(r);
     if (!c->file) return;
-    note_failure(r, results->count ? render_checkpoint_file_append(c->file, kind, results, r->log)
+    note_failure(r, results->count ? render_checkpoint_file_append(c->file, kind, entry.passing,
+                                                                   results, r->log)
                                    : log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory",
                                               r->callbacks.checkpoint));
     c->written = stats_wall();
@@ -152,7 +156,7 @@ static satin_status identify(struct render *r) {
     struct render_checkpoint *c = r->checkpoint;
     struct bytes there = {0};
     satin_status status = SATIN_OK;
-    if (!render_checkpoint_file_read(c->file, CHECKPOINT_IDENTITY, &there) || there.count == 0 ||
+    if (!render_checkpoint_file_read(c->file, CHECKPOINT_IDENTITY, 0, &there) || there.count == 0 ||
         there.data[there.count - 1] != 0)
         status = log_fail(r->log, SATIN_ERROR_INPUT, "%s: the checkpoint is damaged",
                           r->callbacks.checkpoint);
@@ -187,7 +191,7 @@ static satin_status refuse_image(const struct render *r) {
 // Reads the state of the image, which all ranks get. False if there is none.
 static bool read_image_state(struct render *r, struct bytes *out) {
     struct render_checkpoint *c = r->checkpoint;
-    const bool found = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_IMAGE, out);
+    const bool found = c->reading && render_checkpoint_file_read(c->file, CHECKPOINT_IMAGE, 0, out);
     c->reading = false;
     return parallel_broadcast(r->pool, found, out);
 }

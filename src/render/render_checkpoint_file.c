@@ -25,9 +25,9 @@ struct file_head {
 };
 
 struct entry_head {
-    uint32_t kind, unused;
-    uint64_t size;      // of what follows
-    uint64_t checksum;  // of the members before, and of what follows
+    uint32_t kind, passing;  // of a passing entry, the number of its loop; else 0
+    uint64_t size;           // of what follows
+    uint64_t checksum;       // of the members before, and of what follows
 };
 
 struct checkpoint_file {
@@ -46,8 +46,8 @@ static void go_to(struct checkpoint_file *file, uint64_t next) {
 
 // ---- Entries ------------------------------------------------------------------------------------
 
-static struct entry_head head_of(unsigned kind, const struct bytes *entry) {
-    struct entry_head head = {.kind = kind, .size = entry->count};
+static struct entry_head head_of(unsigned kind, uint32_t passing, const struct bytes *entry) {
+    struct entry_head head = {.kind = kind, .passing = passing, .size = entry->count};
     const uint64_t hash = fileio_hash(FILEIO_HASH, &head, offsetof(struct entry_head, checksum));
     head.checksum = fileio_hash_large(hash, entry->data, entry->count);
     return head;
@@ -74,13 +74,13 @@ static bool write_range(int fd, const void *data, size_t size, uint64_t offset) 
     return true;
 }
 
-bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, struct bytes *out) {
-    const bool passing = kind & CHECKPOINT_PASSING;
+bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, uint32_t passing,
+                                 struct bytes *out) {
     const uint64_t begin = passing ? file->next_passing : file->next;
     struct entry_head head;
     struct stat st;
     if (!read_range(file->fd, &head, sizeof head, begin) || head.kind != kind ||
-        fstat(file->fd, &st) != 0)
+        head.passing != passing || fstat(file->fd, &st) != 0)
         return false;
     const uint64_t at = begin + sizeof head;
     if (head.size > (uint64_t)st.st_size - at) return false;
@@ -89,7 +89,7 @@ bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, st
         !read_range(file->fd, out->data, (size_t)head.size, at))
         return false;
     out->count = (size_t)head.size;
-    if (head_of(kind, out).checksum != head.checksum) return false;
+    if (head_of(kind, passing, out).checksum != head.checksum) return false;
     if (passing)
         file->next_passing = at + head.size;
     else if (kind == CHECKPOINT_IMAGE)
@@ -101,9 +101,9 @@ bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, st
 }
 
 satin_status render_checkpoint_file_append(struct checkpoint_file *file, unsigned kind,
-                                           const struct bytes *entry, struct log log) {
-    const bool passing = kind & CHECKPOINT_PASSING;
-    const struct entry_head head = head_of(kind, entry);
+                                           uint32_t passing, const struct bytes *entry,
+                                           struct log log) {
+    const struct entry_head head = head_of(kind, passing, entry);
     const uint64_t begin = passing ? file->next_passing : file->next, at = begin + sizeof head;
     if (ftruncate(file->fd, (off_t)begin) == 0 &&
         write_range(file->fd, &head, sizeof head, begin) &&
@@ -172,6 +172,7 @@ static satin_status open_existing(const char *path, struct log log, bool *exists
     *exists = false;
     for (;;) {
         *fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
+        *exists = false;
         if (*fd < 0 && errno == ENOENT) return SATIN_OK;
         if (*fd < 0)
             return log_fail(log, SATIN_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
@@ -190,7 +191,7 @@ static satin_status open_existing(const char *path, struct log log, bool *exists
 static satin_status begin_new(const char *path, const struct bytes *identity, struct log log,
                               int *fd) {
     const struct file_head head = new_head();
-    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, identity);
+    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, 0, identity);
     struct bytes whole = {0};
     bool exists;
     bytes_put(&whole, &head, sizeof head);
@@ -260,8 +261,8 @@ satin_status render_checkpoint_file_replace(struct checkpoint_file *file,
                                             const struct bytes *identity, const struct bytes *image,
                                             struct log log) {
     const struct file_head head = new_head();
-    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, identity);
-    const struct entry_head last = head_of(CHECKPOINT_IMAGE, image);
+    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, 0, identity);
+    const struct entry_head last = head_of(CHECKPOINT_IMAGE, 0, image);
     const uint64_t begin = sizeof head + sizeof first + identity->count;
     struct fileio_output out;
     satin_status status = fileio_output_open(log, file->path, FILEIO_SEEK, &out);

@@ -31,14 +31,17 @@ int render_checkpoint_file_number(const struct checkpoint_file *file);  // of th
 
 // Sets *out to the next entry and goes to the one after it, if that can be: the state of an image
 // remains the next one, to be replaced, but passing entries behind it are read in turn. False if
-// the next entry is of another kind, or damaged, or there is none. `kind` may have PASSING.
-bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, struct bytes *out);
+// the next entry is of another kind, or damaged, or there is none. `kind` has PASSING if `passing`,
+// the number of the loop, is not 0.
+bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, uint32_t passing,
+                                 struct bytes *out);
 // Replaces everything from the next entry on by this one, and goes behind it; a passing one
 // replaces what follows the passing entries so far. After a process was killed the file has all
 // entries but the one that was being written. SATIN_ERROR_IO, logged, if it cannot be written: then
 // the file has all entries before.
 satin_status render_checkpoint_file_append(struct checkpoint_file *file, unsigned kind,
-                                           const struct bytes *entry, struct log log);
+                                           uint32_t passing, const struct bytes *entry,
+                                           struct log log);
 // The passing entries so far serve no more: a new image is written without them.
 void render_checkpoint_file_drop(struct checkpoint_file *file);
 // Writes a new file: this identity, all further entries up to the next one, the image, and the
