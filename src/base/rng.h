@@ -27,7 +27,8 @@ enum rng_stream {
     RNG_RIM,
     RNG_BOX,
     RNG_RECORD_TEST,
-    RNG_DIVIDE
+    RNG_DIVIDE,
+    RNG_LOOKUP
 };
 
 struct rng {

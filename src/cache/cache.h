@@ -138,6 +138,10 @@ struct cache_used cache_plan_radiance(const struct cache_reader *reader,
 unsigned cache_add_reflected(const struct cache_reader *reader, const struct shading_point *y,
                              rgb *L);
 
+// The variance of the luminance that cache_add_reflected adds, by the noise of the records' gather
+// rays (cache_noise.c); 0 if no record is near.
+float cache_reflected_variance(const struct cache_reader *reader, const struct shading_point *y);
+
 // The point of a cache lookup. If no record is accurate enough there, the nearest one up to the
 // distance `fallback` is used.
 static inline struct cache_lookup cache_lookup_at(const struct shading_point *p, float fallback) {

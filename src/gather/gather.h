@@ -194,6 +194,24 @@ bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampl
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream);
 
+// ---- The noise of the first pass (gather_noise.c) ----------------------------------------------
+
+// The noise of what single gather rays read at their hits, as standard deviations over the mean of
+// all. Bias is not included: the blur of photon lookups, the interpolation between records, the
+// light of bounces that first pass `none` leaves out.
+struct gather_noise {
+    size_t lookups;  // rays that hit something and are counted
+    double sampled;  // noise of the random decisions after the hit: by two lookups of each ray
+    double stored;   // noise of the photons or of the records that are read, which rays that hit
+                     // near to each other have in common
+    double error;    // of both together
+    double cpu_s;    // of one lookup, with its ray
+};
+// Measures it by these gather rays, with random decisions of their own. All of *out is 0 if they
+// find no light. SATIN_ERROR_MEMORY: *out is unchanged.
+satin_status gather_noise_measure(const struct gather *g, const struct ray *ray, size_t count,
+                                  struct parallel *pool, struct gather_noise *out);
+
 // ---- Single rays (gather_single.c) --------------------------------------------------------------
 
 // The photon clusters around points of an image tile, to which single gather rays are guided: those

@@ -134,6 +134,11 @@ enum { PHOTON_AROUND = 9 };
 void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
                               int around[PHOTON_AROUND]);
 
+// The variance of an irradiance estimate from the global map, over its square: the mean over a few
+// entries. It is the noise of the photons alone, without the bias of a lookup's width. 0: there are
+// no photons, or integrator photons shows them.
+float photon_noise2(const struct photon_maps *maps);
+
 // The maximum lookup radius. An estimate of a larger radius blurs a large part of the visible
 // scene, and is not reliable.
 float photon_lookup_max(const struct photon_maps *maps);

@@ -379,6 +379,15 @@ size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
 // As photon_irradiance_area.
 float photon_irradiance_entry_area(const struct photon_irradiance *irradiance, size_t entry);
 
+// ---- Noise (photon_noise.c) ---------------------------------------------------------------------
+
+// The variance of the luminance of a disc's irradiance over its square, from its photons; negative
+// if it has no light.
+double photon_disc_noise2(const struct photon_disc *disc);
+// Sets maps->noise2, given the global map and the entries. SATIN_ERROR_MEMORY.
+satin_status photon_noise_find(const struct satin_scene *scene, struct parallel *pool,
+                               struct photon_maps *maps);
+
 // ---- Batches of photons (photon_reverse.c) ------------------------------------------------------
 
 // All batches of first pass `reverse`.
@@ -430,6 +439,7 @@ struct photon_maps {
     int photon_k, caustic_k;
     bool area, smooth;  // the options photon_area and caustic_smooth
     float lookup_max;
+    float noise2;  // see photon_noise2
 };
 
 #endif

@@ -166,11 +166,24 @@ static float faint_radius(const struct photon_maps *maps, float irradiance) {
     return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
 }
 
+// The noise of the estimates. The discs of the first batch keep their radii, so the variance of all
+// batches together falls as the number of their paths.
+static satin_status find_noise(const struct photon_pass *pass, struct photon_maps *maps) {
+    if (pass->options->integrator != SATIN_TWO_PASS) return SATIN_OK;
+    const satin_status status = photon_noise_find(pass->scene, pass->pool, maps);
+    const double all = (double)pass->reverse.paths;
+    if (status != SATIN_OK)
+        return log_fail(pass->log, status, "not enough memory for the noise of photons");
+    if (all > 0.0) maps->noise2 *= (float)((double)photon_reverse_paths(&pass->reverse, 0) / all);
+    return SATIN_OK;
+}
+
 static satin_status build_global(struct photon_pass *pass, struct photon_maps *maps) {
     struct photon_trace direct = {0};
     satin_status status = trace_global(pass, maps, &direct);
     if (status == SATIN_OK) status = build_irradiance(pass, maps);
     const double start = stats_wall();
+    if (status == SATIN_OK) status = find_noise(pass, maps);
     if (status == SATIN_OK)
         status =
             photon_direct_build(maps, pass->scene, &direct, pass->pool, pass->log, &maps->direct);

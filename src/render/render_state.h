@@ -277,6 +277,11 @@ satin_status render_trace_paths(struct render *r);
 satin_status render_recursive_bounces(struct render *r);
 void render_recursive_bounces_free(struct render *r);
 
+// ---- render_lookups.c
+// Measures the cost and the noise of what single gather rays read of the first pass, as statistics
+// first_pass.*; does nothing if there are no gather rays. SATIN_ERROR_MEMORY.
+satin_status render_lookup_noise(struct render *r);
+
 // ---- render_image_pilot.c
 // Sample a few pixels with the records so far, the first pilot fewer ones; set all members of *pace
 // except its rays. SATIN_CANCELLED if they were stopped early.

@@ -144,5 +144,8 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
 // surface that is seen in pixel (x, y). False if the walk ends before, or if its end needs no
 // record.
 bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill_site *out);
+// Draws a gather ray from a surface that is seen in pixel (x, y), as the first segment of such a
+// walk. False if there is none.
+bool shade_walk_ray(const struct shade *shade, int x, int y, struct ray *out);
 
 #endif

@@ -19,6 +19,27 @@ static const struct shading_point *choose_vertex(const struct shade_eye *eye, fl
     return NULL;
 }
 
+// Draws a segment of a walk that leaves p.
+static bool draw_segment(const struct gather *g, const struct shading_point *p,
+                         struct sampler *sampler, struct ray *out) {
+    struct brdf_sample next;
+    float u_lobe = sampler_1d(sampler);
+    vec2 u = sampler_2d(sampler);
+    if (!brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, u, BRDF_SMOOTH, BRDF_RADIANCE, &next))
+        return false;
+    *out = scene_spawn(g->scene, p->interaction.p, p->interaction.ng,
+                       frame_to_world(&p->frame, next.wi));
+    return true;
+}
+
+bool shade_walk_ray(const struct shade *shade, int x, int y, struct ray *out) {
+    struct shade_eye eye;
+    struct sampler sampler = shade_eye_sampler(shade->g, x, y, 0, RNG_SITE);
+    shade_eye_trace(shade, x, y, &sampler, &eye);
+    const struct shading_point *start = choose_vertex(&eye, sampler_1d(&sampler));
+    return start && draw_segment(shade->g, start, &sampler, out);
+}
+
 bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill_site *out) {
     const struct gather *g = shade->g;
     struct shade_eye eye;
@@ -29,14 +50,9 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill
     struct shading_point p = *start;
     float length = 0.0f;
     for (int i = 0; i < bounce; i++) {
-        struct brdf_sample next;
+        struct ray ray;
         struct gather_first first;
-        float u_lobe = sampler_1d(&sampler);
-        vec2 u = sampler_2d(&sampler);
-        if (!brdf_sample_wi(&p.brdf, p.wo_l, u_lobe, u, BRDF_SMOOTH, BRDF_RADIANCE, &next))
-            return false;
-        struct ray ray = scene_spawn(g->scene, p.interaction.p, p.interaction.ng,
-                                     frame_to_world(&p.frame, next.wi));
+        if (!draw_segment(g, &p, &sampler, &ray)) return false;
         if (!gather_follow(g, ray, &sampler, &first, &p)) return false;
         length += first.r;
     }
