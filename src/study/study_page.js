@@ -66,6 +66,7 @@
         firstRelmse: average("first_pass_relmse"), firstSpread: spread("first_pass_relmse"),
         seconds: average("seconds"), cpu: average("cpu_seconds"), memory: average("memory_bytes"),
         samples: average("samples"), photons: average("photons"), records: average("records"),
+        lookupError: average("lookup_error"),
         stages: results.stages.map((_, i) => (good.length ? mean(good.map((x) => x.stages[i])) : 0)),
       };
     });
@@ -411,7 +412,8 @@
     ["relMSE", (r) => r.relmse], ["±", (r) => r.image.relmse_error], ["bias²", (r) => r.image.bias2],
     ["± ", (r) => r.image.bias2_error], ["variance", (r) => r.image.variance],
     ["mean − 1, %", (r) => (known(r.image.mean_ratio) ? 100 * (r.image.mean_ratio - 1) : null)],
-    ["first pass", (r) => r.firstRelmse], ["s", (r) => r.seconds], ["CPU s", (r) => r.cpu],
+    ["first pass", (r) => r.firstRelmse],
+    ["lookup, %", (r) => (known(r.lookupError) ? 100 * r.lookupError : null)], ["s", (r) => r.seconds], ["CPU s", (r) => r.cpu],
     ["MB", (r) => (known(r.memory) ? r.memory / 1048576 : null)], ["samples", (r) => r.samples],
     ["photons", (r) => r.photons], ["records", (r) => r.records],
   ];

@@ -33,7 +33,8 @@ struct study_result {
     int status, signal;  // exit status; the signal that ended the process, or 0
     double wall_s, cpu_s, peak_bytes;
     double threads, photons, records, spp;
-    double replaced;  // 1: paths were traced instead, as the time limit was too short
+    double replaced;      // 1: paths were traced instead, as the time limit was too short
+    double lookup_error;  // noise of a lookup of the first pass, over the mean; 0: not known
     double stage_s[STUDY_STAGES];
     char *message;  // of a render that failed; from malloc, or NULL
 };

@@ -175,6 +175,7 @@ static const struct {
     {"records", offsetof(struct study_result, records)},
     {"spp", offsetof(struct study_result, spp)},
     {"replaced", offsetof(struct study_result, replaced)},
+    {"lookup_error", offsetof(struct study_result, lookup_error)},
 };
 enum { STORED = sizeof stored / sizeof *stored };
 
@@ -232,6 +233,7 @@ static void take_stats(const char *stats, struct study_result *result) {
         json_value(stats, "records.irradiance") + json_value(stats, "records.radiance");
     result->spp = json_value(stats, "image.spp");
     result->replaced = json_value(stats, "render.replaced");
+    result->lookup_error = json_value(stats, "first_pass.error");
 }
 
 static satin_status write_result(const struct study_store *store, struct log log,

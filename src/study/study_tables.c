@@ -23,11 +23,11 @@ static void csv_header(const struct study *s, struct study_text *out) {
         study_text_add(out, ",");
         study_text_csv(out, s->column[c].name);
     }
-    study_text_add(
-        out,
-        ",seed,relmse,mean_ratio,bias2,bias2_error,variance,first_pass_relmse,"
-        "first_pass_mean_ratio,first_pass_bias2,first_pass_variance,reference_noise,"
-        "status,signal,samples,photons,records,threads,replaced,command,seconds_s,cpu_s");
+    study_text_add(out,
+                   ",seed,relmse,mean_ratio,bias2,bias2_error,variance,first_pass_relmse,"
+                   "first_pass_mean_ratio,first_pass_bias2,first_pass_variance,reference_noise,"
+                   "lookup_error,status,signal,samples,photons,records,threads,replaced,command,"
+                   "seconds_s,cpu_s");
     for (int i = 0; i < STUDY_STAGES; i++) study_text_add(out, ",%s_s", study_stage_name[i]);
     study_text_add(out, ",memory_mb\n");
 }
@@ -55,7 +55,8 @@ static void csv_row(const struct study_report *report, size_t scene, size_t poin
                              row->first_pass_mean_ratio,
                              found->first_pass.bias2,
                              found->first_pass.variance,
-                             report->reference_noise[scene]};
+                             report->reference_noise[scene],
+                             if_positive(result->lookup_error)};
     const double counts[] = {if_positive(result->spp), if_positive(result->photons),
                              if_positive(result->records), if_positive(result->threads),
                              result->done ? result->replaced : NAN};
@@ -129,6 +130,7 @@ static void json_run(const struct study_report *report, size_t scene, size_t poi
     json_member(out, "relmse", row->relmse);
     json_member(out, "mean_ratio", row->mean_ratio);
     json_member(out, "first_pass_relmse", row->first_pass_relmse);
+    json_member(out, "lookup_error", if_positive(result->lookup_error));
     json_member(out, "seconds", if_positive(result->wall_s));
     json_member(out, "cpu_seconds", if_positive(result->cpu_s));
     json_member(out, "memory_bytes", if_positive(result->peak_bytes));
