@@ -11,6 +11,9 @@
 
 #include "base/parallel.h"
 
+// A double has every integer up to 2^53; those are printed with all their digits.
+#define EXACT_MOST 0x1p53
+
 static struct stats_entry *find_entry(struct stats *stats, const char *name) {
     for (int i = 0; i < stats->count; i++)
         if (strcmp(stats->entry[i].name, name) == 0) return &stats->entry[i];
@@ -125,7 +128,7 @@ char *stats_json(const struct stats *stats) {
                                  stats->entry[i].name);
         if (!isfinite(v))
             used += (size_t)snprintf(text + used, bytes - used, "null");
-        else if (v == floor(v) && fabs(v) < 1e15)
+        else if (v == floor(v) && fabs(v) <= EXACT_MOST)
             used += (size_t)snprintf(text + used, bytes - used, "%.0f", v);
         else
             used += (size_t)snprintf(text + used, bytes - used, "%.9g", v);
