@@ -77,15 +77,22 @@ void study_text_shell(struct study_text *text, const char *value) {
     study_text_add(text, "'");
 }
 
+// Integers up to 2^53, of which a double has every one, with all their digits, as counts of
+// photons.
+static void add_finite(struct study_text *text, double value) {
+    const bool exact = value == floor(value) && fabs(value) <= 0x1p53;
+    study_text_add(text, exact ? "%.0f" : "%.9g", value);
+}
+
 void study_text_json_number(struct study_text *text, double value) {
     if (isfinite(value))
-        study_text_add(text, "%.9g", value);
+        add_finite(text, value);
     else
         study_text_add(text, "null");
 }
 
 void study_text_csv_number(struct study_text *text, double value) {
-    if (isfinite(value)) study_text_add(text, "%.9g", value);
+    if (isfinite(value)) add_finite(text, value);
 }
 
 void study_text_base64(struct study_text *text, const void *data, size_t size) {

@@ -47,6 +47,16 @@ static void numbers_that_are_not_finite_are_left_out(void **state) {
     assert_text(&text, "0.5null-2");
 }
 
+static void counts_keep_all_digits(void **state) {
+    (void)state;
+    struct study_text text = {0};
+    study_text_json_number(&text, 12345678901.0);
+    study_text_csv_number(&text, -9007199254740991.0);
+    assert_text(&text, "12345678901-9007199254740991");
+    study_text_json_number(&text, 0.12345678912);
+    assert_text(&text, "0.123456789");
+}
+
 // The examples of RFC 4648.
 static void bytes_are_encoded(void **state) {
     (void)state;
@@ -66,6 +76,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texts_are_quoted),
         cmocka_unit_test(numbers_that_are_not_finite_are_left_out),
+        cmocka_unit_test(counts_keep_all_digits),
         cmocka_unit_test(bytes_are_encoded),
     };
     return cmocka_run_group_tests_name("study_text", tests, NULL, NULL);
