@@ -35,6 +35,11 @@ struct photon_path {
     float factor[PHOTON_CONSUMERS];      // factor of its power, for each consumer
 };
 
+// The random numbers in [0, 1) by which path `index` of a light starts (photon_trace.c). The paths
+// of each 2^32 are a sequence of their own.
+void photon_start_numbers(const struct photon_tracing *tracing, uint32_t light, uint64_t index,
+                          float u[4]);
+
 // Follows the photon through the scene and appends what it stores to the chunk, until it is
 // absorbed, has no more bounces (< 0: no limit) or, of a caustic pass, meets a surface without
 // delta lobes. What becomes of its power is added to that of the chunk, but for the emission.

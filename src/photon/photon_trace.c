@@ -75,16 +75,21 @@ static uint32_t path_light(const uint64_t *first, uint32_t lights, uint64_t path
     return lo;
 }
 
+// The sequence has 2^32 points; higher bits of the index go to the seed.
+void photon_start_numbers(const struct photon_tracing *tracing, uint32_t light, uint64_t index,
+                          float u[4]) {
+    const uint64_t key = rng_mix(tracing->seed + RNG_GOLDEN * (2 * light + 1) +
+                                 (tracing->emission ? 0x632be59bd9b4e019ull : 0)) +
+                         (index >> 32);
+    sample_sobol4((uint32_t)index, (uint32_t)rng_mix(key), u);
+}
+
 // Starts path `index` of a light. False if it has no power, or a power that is not finite.
 static bool start_path(const struct run *run, uint32_t light, uint64_t index,
                        struct photon_path *photon, uint64_t *refused) {
     const struct photon_tracing *tracing = run->tracing;
-    // The sequence has 2^32 points; higher bits of the index go to the seed.
-    uint64_t key = rng_mix(tracing->seed + RNG_GOLDEN * (2 * light + 1) +
-                           (tracing->emission ? 0x632be59bd9b4e019ull : 0)) +
-                   (index >> 32);
     float u[4], factor = 1.0f;
-    sample_sobol4((uint32_t)index, (uint32_t)rng_mix(key), u);
+    photon_start_numbers(tracing, light, index, u);
     const struct light_aim *aim = NULL;
     if (tracing->emission) {
         factor =

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Classes of photons behind glass: light that passes panes is direct, light that is refracted or
-// reflected on its path is a caustic, and light that frosted glass scatters is indirect.
+// reflected on its path is a caustic, and light that frosted glass scatters is indirect. Paths
+// after the first 2^32 do not repeat those before.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
-#include "photon/photon_map.h"
+#include "photon/photon_path.h"
 #include "test_scene.h"
 
 enum photon_trace_glass { NOTHING, PANE, TWO_PANES, THIN, BALL, FROSTED };
@@ -95,11 +98,56 @@ static void frosted_glass_scatters(void **state) {
     assert_true(power.of[PHOTON_INDIRECT] > 1.0);
 }
 
+enum { STARTS = 4096 };
+
+static int compare_starts(const void *a, const void *b) { return memcmp(a, b, 4 * sizeof(float)); }
+
+// Sets u to the starts of the paths from `first` on, and sorts them.
+static void sort_starts(const struct photon_tracing *tracing, uint32_t light, uint64_t first,
+                        float u[STARTS][4]) {
+    for (uint64_t i = 0; i < STARTS; i++) photon_start_numbers(tracing, light, first + i, u[i]);
+    qsort(u, STARTS, sizeof *u, compare_starts);
+}
+
+static int count_common(float a[STARTS][4], float b[STARTS][4]) {
+    int common = 0;
+    for (int i = 0; i < STARTS; i++)
+        common += bsearch(a[i], b, STARTS, sizeof *b, compare_starts) != NULL;
+    return common;
+}
+
+// Paths after the first 2^32 of a light do not repeat earlier ones, nor those of other lights, and
+// are stratified as they are: each 4096th of each number has one of 4096 paths.
+static void paths_beyond_32_bits_are_new(void **state) {
+    (void)state;
+    static const uint64_t first[] = {1ull << 32, 1ull << 33, 5ull << 32, 1ull << 40};
+    static float early[STARTS][4], late[STARTS][4];
+    const struct photon_tracing tracing = {.seed = 1};
+    sort_starts(&tracing, 0, 0, early);
+    assert_int_equal(count_common(early, early), STARTS);
+    for (size_t k = 0; k < sizeof first / sizeof *first; k++) {
+        sort_starts(&tracing, 0, first[k], late);
+        assert_int_equal(count_common(late, early), 0);
+        for (int d = 0; d < 4; d++) {
+            static bool met[STARTS];
+            memset(met, 0, sizeof met);
+            for (int i = 0; i < STARTS; i++) {
+                const int at = (int)(late[i][d] * STARTS);
+                assert_true(at >= 0 && at < STARTS && !met[at]);
+                met[at] = true;
+            }
+        }
+    }
+    sort_starts(&tracing, 1, 0, late);
+    assert_int_equal(count_common(late, early), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(panes_keep_light_direct),
         cmocka_unit_test(lenses_make_caustics),
         cmocka_unit_test(frosted_glass_scatters),
+        cmocka_unit_test(paths_beyond_32_bits_are_new),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
