@@ -21,11 +21,3 @@ bool cache_leaks(const struct cache *cache, const struct cache_head *h, vec3 p) 
     struct ray ray = scene_spawn_to(cache->scene, from, h->n, to, v3(0, 0, 0));
     return scene_occluded(cache->scene, &ray);
 }
-
-int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
-               struct cache_near near[CACHE_NEAR_MAX]) {
-    int count = cache_tree_find(tree, p, n, a, near), kept = 0;
-    for (int i = 0; i < count; i++)
-        if (!cache_leaks(cache, &tree->head[near[i].record], p)) near[kept++] = near[i];
-    return kept;
-}

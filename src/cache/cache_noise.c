@@ -27,8 +27,7 @@ static float variance_by_kind(const struct cache_reader *reader, const struct ca
     const struct cache_lookup at = cache_lookup_at(y, 0.0f);
     const struct cache *cache = reader->cache;
     struct cache_near near[CACHE_NEAR_MAX];
-    const int count =
-        cache_find(cache, &cache->store[kind].tree, at.p, at.n, reader->a[kind], near);
+    const int count = cache_find(cache, kind, at.p, at.n, reader->a[kind], near);
     struct cache_surface surface;
     float variance = 0.0f, weight = 0.0f;
     make_surface(plan, y, kind, &surface);

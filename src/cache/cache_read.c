@@ -9,10 +9,11 @@
 #include "rsh/rsh.h"
 
 // Finds the records to interpolate at a point, or the nearest record if there are none.
-static int find_or_nearest(const struct cache *cache, const struct cache_tree *tree,
+static int find_or_nearest(const struct cache *cache, enum cache_kind kind,
                            const struct cache_lookup *at, float a,
                            struct cache_near near[CACHE_NEAR_MAX]) {
-    int count = cache_find(cache, tree, at->p, at->n, a, near);
+    const struct cache_tree *tree = &cache->store[kind].tree;
+    int count = cache_find(cache, kind, at->p, at->n, a, near);
     if (count > 0 || !(at->fallback_radius > 0.0f)) return count;
     int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->fallback_radius);
     if (nearest < 0 || cache_leaks(cache, &tree->head[nearest], at->p)) return 0;
@@ -73,7 +74,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = find_or_nearest(cache, tree, at, a, near);
+    const int count = find_or_nearest(cache, CACHE_IRRADIANCE, at, a, near);
     if (count == 0) return used;
     struct cache_taylor sum = {0};
     struct disagreement sums = {0};
@@ -144,7 +145,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = find_or_nearest(cache, tree, at, a, near);
+    const int count = find_or_nearest(cache, CACHE_RADIANCE, at, a, near);
     if (count == 0) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};

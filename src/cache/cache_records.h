@@ -111,8 +111,15 @@ enum { CACHE_SECTORS = 32 };
 // Whether a surface separates the record and the point. A ray is traced only in the sectors with
 // near surfaces.
 bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
-// Does what cache_tree_find does, without the records that leak.
-int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
+
+// ---- Records for a point (cache_find.c) ---------------------------------------------------------
+
+// A record's number of rays over that of the options, in (0, 1]: 1 if it has more, as those that
+// were gathered again, or if the options ask for a noise, by which numbers of rays are chosen.
+float cache_rays_fraction(const struct cache *cache, enum cache_kind kind, size_t record);
+// Does what cache_tree_find does for the records of a kind, without those that leak. Weights are
+// multiplied by the fractions of rays, as variance is the inverse of their number.
+int cache_find(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]);
 
 // ---- Validity (cache_valid.c): finite, and distances, radii and scales in their ranges ----------

@@ -54,6 +54,7 @@ struct fill_sites {
     float a;           // > 0
     float factor_max;  // records will be read at accuracies up to this times a of the options; >= 1
     float spacing;     // distance of sites in pixels; members of a batch are farther apart
+    float rays_least;  // a record of less than this fraction of its rays covers nothing; 0: all do
     bool adapted;      // new records have the scale of the nearest one [K05 6.3.2]
 };
 

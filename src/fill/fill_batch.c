@@ -53,7 +53,7 @@ static void test_coverage(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     for (size_t i = begin; i < end; i++)
         b->covered[i] =
-            fill_is_covered(b->making.fill, b->making.kind, b->tested[i], b->making.sites->a);
+            fill_is_covered(b->making.fill, b->making.kind, b->making.sites, b->tested[i]);
 }
 
 // Whether a site is far enough from all members of the batch.

@@ -6,10 +6,14 @@
 
 enum { COUNTED_MOST = 4096 };  // sites that are tested for an estimate of their number
 
-bool fill_is_covered(const struct fill *fill, enum cache_kind kind, const struct fill_site *s,
-                     float a) {
+bool fill_is_covered(const struct fill *fill, enum cache_kind kind, const struct fill_sites *sites,
+                     const struct fill_site *s) {
     struct cache_near near[CACHE_NEAR_MAX];
-    return cache_find(fill->cache, &fill->cache->store[kind].tree, s->p, s->frame.n, a, near) > 0;
+    const int count = cache_find(fill->cache, kind, s->p, s->frame.n, sites->a, near);
+    for (int i = 0; i < count; i++)
+        if (!(cache_rays_fraction(fill->cache, kind, near[i].record) < sites->rays_least))
+            return true;
+    return false;
 }
 
 struct uncovered_count {
@@ -25,7 +29,7 @@ static void count_uncovered(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const struct fill_site *s = &c->sites->site[i];
-        if (s->kinds >> c->kind & 1u) found += !fill_is_covered(c->fill, c->kind, s, c->sites->a);
+        if (s->kinds >> c->kind & 1u) found += !fill_is_covered(c->fill, c->kind, c->sites, s);
     }
     atomic_fetch_add(&c->found, found);
 }

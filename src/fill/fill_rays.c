@@ -88,7 +88,7 @@ const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache
     const float noise = store->options.noise;
     if (!(noise > 0.0f)) return layout[PLAIN];
     struct cache_near near[CACHE_NEAR_MAX];
-    const int count = cache_find(fill->cache, &store->tree, site->p, site->frame.n, a, near);
+    const int count = cache_find(fill->cache, kind, site->p, site->frame.n, a, near);
     float variance = 0.0f;
     for (int i = 0; i < count; i++) variance += variance_of[kind](fill->cache, near[i].record);
     if (!(variance > 0.0f)) return layout[PLAIN];

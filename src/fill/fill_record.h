@@ -37,9 +37,9 @@ struct fill {
     } adapted;
 };
 
-// Whether records of a kind cover the site at accuracy a (fill_coverage.c).
-bool fill_is_covered(const struct fill *fill, enum cache_kind kind, const struct fill_site *site,
-                     float a);
+// Whether records of a kind cover a site as `sites` want it (fill_coverage.c).
+bool fill_is_covered(const struct fill *fill, enum cache_kind kind, const struct fill_sites *sites,
+                     const struct fill_site *site);
 
 // ---- The area of a new record (fill_extent.c) ---------------------------------------------------
 

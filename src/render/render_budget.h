@@ -143,6 +143,9 @@ struct render_factors render_budget_round(const satin_options *options, int roun
 int render_budget_rounds(const satin_options *options);
 // The fraction of the options' least radius for records at this factor of a.
 float render_budget_least_radius(float factor);
+// The fraction of their rays below which records do not count; 0 if they all do, as in the round
+// that covers the image.
+float render_budget_rays_least(bool covering);
 // The largest factor of a at which records may be read by the image pass.
 float render_budget_largest_factor(const satin_options *options);
 

@@ -27,6 +27,7 @@ struct record_level {
     size_t count, done;  // pixels of one view; pixels of all views that are done
     double begin, span;  // its loops are the range [begin, begin + span] of the stage
     bool covering;       // the numbers of rays are chosen so that the image is covered in time
+    float rays_least;    // see fill_sites
 };
 
 static double count_records(const struct render *r) {
@@ -46,7 +47,8 @@ static struct fill_sites sites_to_cover(const struct record_rounds *rounds,
         .count = rounds->sites.count,
         .a = rounds->r->second_pass.cache->store[kind].options.a * level->factor.of[kind],
         .factor_max = render_budget_largest_factor(o),
-        .spacing = 1.5f * (float)level->stride};
+        .spacing = 1.5f * (float)level->stride,
+        .rays_least = level->rays_least};
 }
 
 // Chooses the rays of the records of this level, of whose pixels `count` have the current sites.
@@ -151,7 +153,8 @@ static satin_status cover_levels(struct record_rounds *rounds, struct render_fac
                                      .factor = factor,
                                      .begin = done + span * i / RENDER_LEVELS,
                                      .span = span / RENDER_LEVELS,
-                                     .covering = covering};
+                                     .covering = covering,
+                                     .rays_least = render_budget_rays_least(covering)};
         level.pixel = render_grid(r, level.stride, i > 0, &level.count);
         if (!level.pixel) return SATIN_ERROR_MEMORY;
         pays = level_pays(rounds, &level);

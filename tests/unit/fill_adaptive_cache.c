@@ -68,8 +68,8 @@ static void records_are_added_where_they_disagree(void **state) {
     assert_true(smaller);
     struct cache_near near[CACHE_NEAR_MAX];
     for (int i = 0; i < FILL_CASE_SITES; i++)
-        assert_true(cache_find(f.cache, &f.cache->store[CACHE_IRRADIANCE].tree, f.site[i].p,
-                               f.site[i].frame.n, f.options.irradiance_a, near) > 0);
+        assert_true(cache_find(f.cache, CACHE_IRRADIANCE, f.site[i].p, f.site[i].frame.n,
+                               f.options.irradiance_a, near) > 0);
     fill_case_free(&f);
 }
 
@@ -108,7 +108,7 @@ static float largest_difference(const struct fill_case *f, float a, float *reads
     *reads = 0.0f;
     for (int k = 0; k < FILL_CASE_SITES; k++) {
         const struct fill_site *s = &f->site[k];
-        const int count = cache_find(f->cache, tree, s->p, s->frame.n, a, near);
+        const int count = cache_find(f->cache, CACHE_IRRADIANCE, s->p, s->frame.n, a, near);
         float sum = 0.0f, weights = 0.0f;
         for (int i = 0; i < count; i++) {
             sum += near[i].weight *

@@ -37,8 +37,8 @@ static void fill_all_sites(struct fill_case *f, struct fill_sites sites) {
 
 static bool is_covered(const struct fill_case *f, const struct fill_site *s) {
     struct cache_near near[CACHE_NEAR_MAX];
-    return cache_find(f->cache, &f->cache->store[CACHE_IRRADIANCE].tree, s->p, s->frame.n,
-                      f->options.irradiance_a, near) > 0;
+    return cache_find(f->cache, CACHE_IRRADIANCE, s->p, s->frame.n, f->options.irradiance_a, near) >
+           0;
 }
 
 static void sites_that_need_records_are_covered(void **state) {

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// The weights of records of different numbers of rays.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "cache/cache.h"
+#include "fill/fill_record.h"
+#include "test_scene.h"
+
+struct cache_find_fixture {
+    struct test_scene scene;
+    satin_options options;
+    struct cache *cache;
+};
+
+// A plate at z = 0, and two records at the same distance from its middle, of 48 and 500 rays: a
+// tenth of the options' rays, and more than all.
+static void cache_find_start(struct cache_find_fixture *f, float noise) {
+    *f = (struct cache_find_fixture){.options = satin_options_default};
+    test_scene_init(&f->scene);
+    test_rectangle(&f->scene, mat4_identity(), test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
+    test_scene_finish(&f->scene);
+    f->options.irradiance_a = 0.5f;
+    f->options.irradiance_rays = 480;
+    f->options.irradiance_noise = noise;
+    f->options.leak_test = false;
+    f->cache = cache_new(&f->scene.scene, &f->options, 0);
+    assert_non_null(f->cache);
+    for (int i = 0; i < 2; i++) {
+        const struct cache_head head = {.p = v3(i ? 0.1f : -0.1f, 0, 0),
+                                        .R = 0.5f,
+                                        .n = v3(0, 0, 1),
+                                        .search_radius = 1.0f,
+                                        .scale = 1.0f,
+                                        .u = v3(1, 0, 0)};
+        const struct cache_irradiance_record record = {
+            .value = {.E = rgb_grey(i ? 1.0f : 12.0f), .rays = i ? 500 : 48}, .radius_ratio = 1.0f};
+        assert_true(cache_insert_irradiance(f->cache, &head, &record));
+    }
+}
+
+static void cache_find_stop(struct cache_find_fixture *f) {
+    cache_free(f->cache);
+    test_scene_free(&f->scene);
+}
+
+static float cache_find_mean(const struct cache_find_fixture *f) {
+    const struct cache_lookup at = {
+        .p = v3(0, 0, 0), .n = v3(0, 0, 1), .frame = frame_from_normal(v3(0, 0, 1))};
+    rgb E;
+    assert_int_equal(cache_irradiance(f->cache, &at, f->options.irradiance_a, &E).count, 2);
+    return E.r;
+}
+
+// (12 / 10 + 1) / (1 / 10 + 1) = 2.
+static void weights_are_by_numbers_of_rays(void **state) {
+    (void)state;
+    struct cache_find_fixture f;
+    cache_find_start(&f, 0.0f);
+    assert_float_equal(cache_rays_fraction(f.cache, CACHE_IRRADIANCE, 0), 0.1f, 1e-6f);
+    assert_true(cache_rays_fraction(f.cache, CACHE_IRRADIANCE, 1) == 1.0f);
+    assert_float_equal(cache_find_mean(&f), 2.0f, 1e-5f);
+    cache_find_stop(&f);
+}
+
+// With a noise, noisy records have more rays than others, and all are equally good.
+static void weights_are_equal_if_rays_follow_from_noise(void **state) {
+    (void)state;
+    struct cache_find_fixture f;
+    cache_find_start(&f, 0.1f);
+    assert_float_equal(cache_find_mean(&f), 6.5f, 1e-5f);
+    cache_find_stop(&f);
+}
+
+// Only the second record is a good one, and it does not extend to the place beside the first.
+static void records_of_few_rays_do_not_cover(void **state) {
+    (void)state;
+    struct cache_find_fixture f;
+    cache_find_start(&f, 0.0f);
+    const struct fill fill = {.cache = f.cache};
+    const struct fill_site middle = {.p = v3(0, 0, 0), .frame = frame_from_normal(v3(0, 0, 1))};
+    struct fill_site beside = middle;
+    beside.p.x = -0.2f;
+    struct fill_sites sites = {.a = 0.5f};
+    assert_true(fill_is_covered(&fill, CACHE_IRRADIANCE, &sites, &middle));
+    assert_true(fill_is_covered(&fill, CACHE_IRRADIANCE, &sites, &beside));
+    sites.rays_least = 0.5f;
+    assert_true(fill_is_covered(&fill, CACHE_IRRADIANCE, &sites, &middle));
+    assert_false(fill_is_covered(&fill, CACHE_IRRADIANCE, &sites, &beside));
+    cache_find_stop(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(weights_are_by_numbers_of_rays),
+        cmocka_unit_test(weights_are_equal_if_rays_follow_from_noise),
+        cmocka_unit_test(records_of_few_rays_do_not_cover),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
