@@ -76,7 +76,7 @@ static void weights_are_equal_if_rays_follow_from_noise(void **state) {
     cache_find_stop(&f);
 }
 
-// Only the second record is a good one, and it does not extend to the place beside the first.
+// Only the second record is a good one, and it does not extend to the position beside the first.
 static void records_of_few_rays_do_not_cover(void **state) {
     (void)state;
     struct cache_find_fixture f;

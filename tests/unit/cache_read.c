@@ -24,6 +24,7 @@ static void cache_read_start(struct cache_read_fixture *f) {
     static const float x[RECORDS] = {0.0f, 0.3f}, scale[RECORDS] = {1.0f, 0.5f};
     f->options = satin_options_default;
     f->options.irradiance_a = 0.4f;
+    f->options.irradiance_rays = 100;
     f->options.leak_test = false;
     f->cache =
         (struct cache){.options = &f->options, .store[CACHE_IRRADIANCE].irradiance = f->record};
