@@ -97,10 +97,7 @@ static void photons_have_their_spread(void **state) {
     double stored[2];
     for (int i = 0; i < 2; i++) {
         struct test_scene t;
-        test_scene_init(&t);
-        const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
-        test_area_light(&t, test_cube(&t, mat4_identity(), true, grey), rgb_grey(1.0f));
-        test_scene_finish(&t);
+        test_furnace(&t, 0.5f);
         satin_options o = satin_options_default;
         o.first_pass = SATIN_FIRST_PRECOMPUTED;
         o.photons = 40000;

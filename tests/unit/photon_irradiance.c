@@ -18,10 +18,7 @@ static void radius_does_not_follow_noise(void **state) {
     (void)state;
     enum { POINTS = 3072 };
     struct test_scene t;
-    test_scene_init(&t);
-    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
-    test_area_light(&t, test_cube(&t, mat4_identity(), true, grey), rgb_grey(1.0f));
-    test_scene_finish(&t);
+    test_furnace(&t, 0.5f);
     satin_options o = satin_options_default;
     o.photons = 100000;
     o.caustic_photons = 0;

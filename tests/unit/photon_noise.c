@@ -84,10 +84,7 @@ struct furnace_noise {
 
 static struct furnace_noise photon_noise_furnace(satin_options o, int threads) {
     struct test_scene t;
-    test_scene_init(&t);
-    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
-    test_area_light(&t, test_cube(&t, mat4_identity(), true, grey), rgb_grey(1.0f));
-    test_scene_finish(&t);
+    test_furnace(&t, 0.5f);
     struct parallel *pool = parallel_new(threads);
     struct stats stats = {0};
     struct photon_maps *maps = NULL;

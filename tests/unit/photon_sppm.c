@@ -38,10 +38,7 @@ struct sppm_result {
 
 static struct sppm_result furnace_reflection(int max_depth, bool edge, int passes, double exact) {
     struct test_scene t;
-    test_scene_init(&t);
-    uint32_t grey = test_diffuse(&t, ALBEDO, ALBEDO, ALBEDO);
-    test_area_light(&t, test_cube(&t, mat4_identity(), true, grey), rgb_grey(1.0f));
-    test_scene_finish(&t);
+    test_furnace(&t, ALBEDO);
     satin_options o = satin_options_default;
     o.integrator = SATIN_SPPM;
     o.photons = 20000;

@@ -119,4 +119,14 @@ static inline void test_scene_finish(struct test_scene *t) {
     assert_int_equal(light_prepare(&t->scene, quiet), SATIN_OK);
 }
 
+// A whole scene: a closed cube of +-1 that emits a radiance of 1 and reflects `albedo` diffusely,
+// so that radiance is 1 / (1 - albedo) everywhere.
+static inline void test_furnace(struct test_scene *t, float albedo) {
+    test_scene_init(t);
+    const uint32_t shape =
+        test_cube(t, mat4_identity(), true, test_diffuse(t, albedo, albedo, albedo));
+    test_area_light(t, shape, rgb_grey(1.0f));
+    test_scene_finish(t);
+}
+
 #endif
