@@ -139,6 +139,9 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 // no photons, or integrator photons shows them.
 float photon_noise2(const struct photon_maps *maps);
 
+// The fraction of the power of all photons that is of caustics, in [0, 1].
+double photon_caustic_fraction(const struct photon_maps *maps);
+
 // The maximum lookup radius. An estimate of a larger radius blurs a large part of the visible
 // scene, and is not reliable.
 float photon_lookup_max(const struct photon_maps *maps);

@@ -155,13 +155,21 @@ static float mean_irradiance(const struct photon_irradiance *r) {
     return area > 0.0 ? (float)(sum / area) : 0.0f;
 }
 
+static double photons_power(const struct photon_map *map) {
+    double power = 0.0;
+    for (size_t i = 0; i < map->count; i++) power += (double)rgb_luminance(map->photon[i].power);
+    return power;
+}
+
+double photon_caustic_fraction(const struct photon_maps *maps) {
+    const double caustic = photons_power(&maps->caustic);
+    return caustic > 0.0 ? caustic / (caustic + photons_power(&maps->global)) : 0.0;
+}
+
 // The radius at which a caustic estimate from all its photons would be faint beside the mean
 // irradiance: a wider search would take long for an invisible result.
 static float faint_radius(const struct photon_maps *maps, float irradiance) {
-    const struct photon_map *map = &maps->caustic;
-    double power = 0.0;
-    for (size_t i = 0; i < map->count; i++) power += (double)rgb_luminance(map->photon[i].power);
-    const double mean = power / (double)map->count;
+    const double mean = photons_power(&maps->caustic) / (double)maps->caustic.count;
     const double least = (double)(MAP_FAINT * irradiance);
     return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
 }

@@ -211,6 +211,10 @@ bool options_quality_chooses_photons(const satin_options *options) {
     return options->photons == preset[options->quality].options.photons;
 }
 
+bool options_quality_chooses_caustics(const satin_options *options) {
+    return options->caustic_photons == preset[options->quality].options.caustic_photons;
+}
+
 // A pass of integrator sppm has the photons of the first preset, however long the render takes: its
 // error falls with the number of passes. With photons that grew with time, caustic had 11, 7 and 9
 // passes in 10, 30 and 100 s, and its error rose (docs/experiments/caustics.md).

@@ -25,8 +25,10 @@ void options_quality_seconds(satin_options *options, double seconds, double pixe
 // Copies the options that quality decides.
 void options_quality_copy(satin_options *to, const satin_options *from);
 
-// Whether the number of photons is that of the preset, and not one that the user chose.
+// Whether the number of photons, or of those of caustics, is that of the preset, and not one that
+// the user chose.
 bool options_quality_chooses_photons(const satin_options *options);
+bool options_quality_chooses_caustics(const satin_options *options);
 
 // The samples per pixel of a quality, for satin_options.spp 0: a square number.
 int options_quality_spp(satin_quality quality);

@@ -3,7 +3,8 @@
 // or of the remaining time, and speeds are measured while it renders, so the same fractions are
 // valid for any scene and any number of cores. In the order of the light:
 //
-//   photons           the first FIRST_PHOTONS, then as many as fit until PHOTONS_UNTIL
+//   photons           the first FIRST_PHOTONS, then as many as fit until PHOTONS_UNTIL, or with
+//                     caustics until CAUSTICS_UNTIL
 //   BRDF tables       until TABLES_UNTIL
 //   indirect bounces  BOUNCES_FRACTION of the remaining time
 //   records           the fraction of the remaining time at which the error of the image is least:

@@ -103,15 +103,19 @@ double render_budget_starved(const satin_options *options, double paths, double 
 // The factor of the paths by which a starved map is traced again without a time limit; 1: it is
 // not.
 double render_budget_grow(double starved);
-// The photons that replace the first ones with a time limit.
-struct render_more_photons {
-    double fraction;  // of the options' photons; 0: the first ones are kept
-    double global;    // factor of those of the global map, if it is starved
+// What matters of caustics: 0, up to 1 where they are CAUSTIC_LIGHT of the light or more.
+// `fraction`: photon_caustic_fraction.
+double render_budget_caustics(double fraction);
+// The numbers of photons of maps.
+struct render_photon_counts {
+    double fraction;         // of the options' photons
+    double global, caustic;  // factors of those of either map
 };
-// The next photons after the first ones, which took `seconds`, where `starved` is the factor for
-// the global map.
-struct render_more_photons render_budget_photons(const struct render *r, double seconds,
-                                                 double starved);
+// The photons that replace the first ones with a time limit, after the first ones took `seconds`,
+// where `starved` is the factor for the global map, and `caustics` is render_budget_caustics.
+// Fraction 0: the first ones are kept.
+struct render_photon_counts render_budget_photons(const struct render *r, double seconds,
+                                                  double starved, double caustics);
 // Integrators photons and sppm trace some photons, and then more until those fit.
 // The fraction of the options' photons with which they begin: a thousand paths, or all without a
 // time limit.

@@ -6,7 +6,8 @@
 // Makes the photon map from this fraction of the options' photons, or the photons from which sppm
 // finds the radii of all passes.
 static satin_status make_photons(struct render *r, double fraction) {
-    if (!render_steps(r)->passes) return render_photon_maps(r, fraction, 1.0);
+    if (!render_steps(r)->passes)
+        return render_photon_maps(r, &(struct render_photon_counts){fraction, 1.0, 1.0});
     struct photon_request request = {.scene = &r->scene, .options = &r->options};
     satin_options o = r->options;
     o.photons = render_fraction(o.photons, fraction);

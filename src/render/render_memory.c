@@ -114,13 +114,14 @@ static int64_t *paths_together(satin_options *o) {
     return photon_streams(o) ? &o->photon_batch : &o->photons;
 }
 
-// The bytes of these fractions of the options' photons, or of those of a batch.
-static double photons_bytes(const struct render *r, double fraction, double global) {
+// The bytes of so many photons, of which those of a batch do not grow by their factor.
+static double photons_bytes(const struct render *r, const struct render_photon_counts *counts) {
     satin_options o = r->options;
     int64_t *together = paths_together(&o);
-    *together = (int64_t)ceil((double)*together * fraction);
-    o.photons = (int64_t)ceil((double)o.photons * global);
-    o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
+    *together = (int64_t)ceil((double)*together * counts->fraction);
+    o.photons = (int64_t)ceil((double)o.photons * counts->global);
+    o.caustic_photons =
+        (int64_t)ceil((double)o.caustic_photons * counts->fraction * counts->caustic);
     const struct photon_paths paths = render_budget_paths(&o, render_core_seconds(r));
     return photon_memory_bytes(&r->memory.per_path, &paths);
 }
@@ -134,19 +135,31 @@ static double photons_most(const struct render *r) {
     return fraction * (r->memory.limit - r->memory.fixed);
 }
 
-// The largest fraction of the photons, or factor of those of the global map up to `most`, that
-// fits.
-static double largest_that_fits(const struct render *r, bool all, double most) {
-    double low = 0.0, high = most;
+// No photons, and those of the options.
+static const struct render_photon_counts NONE = {0.0, 1.0, 1.0}, ALL = {1.0, 1.0, 1.0};
+
+static struct render_photon_counts mix_counts(const struct render_photon_counts *a,
+                                              const struct render_photon_counts *b, double x) {
+    return (struct render_photon_counts){a->fraction + x * (b->fraction - a->fraction),
+                                         a->global + x * (b->global - a->global),
+                                         a->caustic + x * (b->caustic - a->caustic)};
+}
+
+// The most photons that fit, between `least` and `most`.
+static struct render_photon_counts counts_that_fit(const struct render *r,
+                                                   struct render_photon_counts least,
+                                                   struct render_photon_counts most) {
+    if (photons_bytes(r, &most) <= photons_most(r)) return most;
+    double low = 0.0, high = 1.0;
     for (int i = 0; i < 40; i++) {
         const double x = 0.5 * (low + high);
-        const double bytes = all ? photons_bytes(r, x, 1.0) : photons_bytes(r, 1.0, x);
-        if (bytes <= photons_most(r))
+        const struct render_photon_counts counts = mix_counts(&least, &most, x);
+        if (photons_bytes(r, &counts) <= photons_most(r))
             low = x;
         else
             high = x;
     }
-    return low;
+    return mix_counts(&least, &most, low);
 }
 
 static int64_t limited(int64_t count, double fraction) {
@@ -162,8 +175,8 @@ satin_status render_memory_photons(struct render *r) {
         .scene = &r->scene, .options = o, .paths = render_budget_paths(o, render_core_seconds(r))};
     const satin_status status = photon_memory_measure(&request, r->pool, r->log, &m->per_path);
     if (status != SATIN_OK) return status;
-    if (photons_bytes(r, 1.0, 1.0) > photons_most(r)) {
-        const double fraction = largest_that_fits(r, true, 1.0);
+    const double fraction = counts_that_fit(r, NONE, ALL).fraction;
+    if (fraction < 1.0) {
         int64_t *together = paths_together(o);
         const int64_t photons = *together, caustic = o->caustic_photons;
         *together = limited(photons, fraction);
@@ -174,15 +187,14 @@ satin_status render_memory_photons(struct render *r) {
                     photon_streams(o) ? " of a batch" : "", (long long)o->caustic_photons,
                     (long long)caustic);
     }
-    m->photons = photons_bytes(r, 1.0, 1.0);
+    m->photons = photons_bytes(r, &ALL);
     return SATIN_OK;
 }
 
-double render_memory_grow(struct render *r, double wanted) {
-    if (r->memory.limit == 0.0) return wanted;
-    const double global = fmin(wanted, fmax(largest_that_fits(r, false, wanted), 1.0));
-    r->memory.photons = fmax(r->memory.photons, photons_bytes(r, 1.0, global));
-    return global;
+void render_memory_grow(struct render *r, struct render_photon_counts *counts) {
+    if (r->memory.limit == 0.0 || counts->fraction < 1.0) return;
+    *counts = counts_that_fit(r, ALL, *counts);
+    r->memory.photons = fmax(r->memory.photons, photons_bytes(r, counts));
 }
 
 // What is left of the memory of photons and records when the maps are built.

@@ -31,8 +31,9 @@ satin_status render_memory_begin(struct render *r);
 // Limits the photons of r->options, with a warning. To be called when all ranks have begun.
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status render_memory_photons(struct render *r);
-// The factor of the options' photons of the global map that fits, at most `wanted`; 1 always fits.
-double render_memory_grow(struct render *r, double wanted);
+// Reduces the factors of counts whose fraction is 1 to what fits; 1 always fits.
+struct render_photon_counts;
+void render_memory_grow(struct render *r, struct render_photon_counts *counts);
 // Limits the memory of a cache, which is one of so many.
 struct cache;
 void render_memory_limit_cache(const struct render *r, struct cache *cache, int caches);

@@ -110,7 +110,8 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     if (scene_film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = RENDER_TIMED_SPP;
     r->first_pass.wanted = o->photons;
-    r->first_pass.chosen_by_user = !options_quality_chooses_photons(o);
+    r->first_pass.photons_chosen = !options_quality_chooses_photons(o);
+    r->first_pass.caustics_chosen = !options_quality_chooses_caustics(o);
     if (o->time > 0.0)
         options_quality_seconds(o, render_core_seconds(r), (double)o->width * (double)o->height);
     o->spp = resolve_value(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));

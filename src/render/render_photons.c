@@ -45,9 +45,15 @@ static void free_maps(struct render *r) {
 // The factor by which the photons of the global map should grow, after so many paths were traced.
 static double starved(const struct render *r, double paths) {
     const satin_options *o = &r->options;
-    if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
+    if (r->first_pass.photons_chosen || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
         return 1.0;
     return render_budget_starved(o, paths, stats_get(&r->stats, "photons.stored_indirect"));
+}
+
+// How much of the light is caustics, if there may be more photons of these.
+static double caustics(const struct render *r) {
+    if (r->first_pass.caustics_chosen) return 0.0;
+    return render_budget_caustics(photon_caustic_fraction(r->first_pass.maps));
 }
 
 static void set_made(struct render *r, int64_t photons) {
@@ -61,17 +67,18 @@ static bool grow_paths(void *ctx, struct photon_paths *paths) {
     satin_options o = r->options;
     double factor = render_budget_grow(starved(r, (double)paths->batch));
     if (!(factor > 1.0)) return false;
-    factor = render_memory_grow(r, factor);
-    o.photons = (int64_t)ceil((double)o.photons * factor);
+    struct render_photon_counts counts = {1.0, factor, 1.0};
+    render_memory_grow(r, &counts);
+    o.photons = (int64_t)ceil((double)o.photons * counts.global);
     set_made(r, o.photons);
     *paths = render_budget_paths(&o, render_core_seconds(r));
     return true;
 }
 
-satin_status render_photon_maps(struct render *r, double fraction, double global) {
+satin_status render_photon_maps(struct render *r, const struct render_photon_counts *counts) {
     satin_options o = r->options;
-    o.photons = render_fraction(o.photons, fraction * global);
-    o.caustic_photons = render_fraction(o.caustic_photons, fraction);
+    o.photons = render_fraction(o.photons, counts->fraction * counts->global);
+    o.caustic_photons = render_fraction(o.caustic_photons, counts->fraction * counts->caustic);
     if (!reads_photons(&o)) o.photons = 0;
     set_made(r, o.photons);
     struct photon_request request = {.scene = &r->scene,
@@ -117,7 +124,8 @@ double render_photon_seconds(const struct render *r) {
 // Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
     if (render_can_trace_paths(r)) render_limit_photon_pilot(r);
-    const satin_status status = render_photon_maps(r, fraction, 1.0);
+    const satin_status status =
+        render_photon_maps(r, &(struct render_photon_counts){fraction, 1.0, 1.0});
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);
 }
@@ -145,7 +153,7 @@ static const double STORED_MOST = 16.0;
 
 satin_status render_reduce_photons(struct render *r) {
     satin_options *o = &r->options;
-    if (r->first_pass.chosen_by_user || !reads_photons(o)) return SATIN_OK;
+    if (r->first_pass.photons_chosen || !reads_photons(o)) return SATIN_OK;
     const struct photon_request request = {.scene = &r->scene, .options = o};
     double stored = 0.0;
     const satin_status status = photon_count_stored(&request, r->pool, r->log, &stored);
@@ -163,12 +171,12 @@ satin_status render_photons(struct render *r) {
     const bool too_slow = !render_has_stage(r, STAGE_PHOTONS);
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow || !(r->options.time > 0.0)) return status;
-    struct render_more_photons more = render_budget_photons(
-        r, render_photon_seconds(r), starved(r, first * (double)r->options.photons));
-    if (more.global > 1.0) more.global = render_memory_grow(r, more.global);
+    struct render_photon_counts more = render_budget_photons(
+        r, render_photon_seconds(r), starved(r, first * (double)r->options.photons), caustics(r));
     if (!(more.fraction > 0.0)) return SATIN_OK;
+    render_memory_grow(r, &more);
     render_drop_photons(r, before);
-    return render_photon_maps(r, more.fraction, more.global);
+    return render_photon_maps(r, &more);
 }
 
 satin_status render_direct(struct render *r) {

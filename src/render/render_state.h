@@ -67,11 +67,12 @@ struct render_progress {
 
 // The first pass: photons, and the visibility of the lights.
 struct render_first_pass {
-    int64_t wanted;       // photons of the global map without a time limit
-    bool chosen_by_user;  // the number must not be increased
-    double made;          // fraction of `wanted` that was traced; 0: none were wanted
-    double fraction;      // of integrators photons and sppm, of the options' photons that fit; 0:
-                          // not known yet
+    int64_t wanted;  // photons of the global map without a time limit
+    // The numbers of photons and of those of caustics that the user has chosen are not increased.
+    bool photons_chosen, caustics_chosen;
+    double made;      // fraction of `wanted` that was traced; 0: none were wanted
+    double fraction;  // of integrators photons and sppm, of the options' photons that fit; 0:
+                      // not known yet
     struct photon_maps *maps;
     struct photon_sppm *sppm;             // of integrator sppm; it has no maps
     struct gather_direct direct;          // at the entries of the maps
@@ -238,9 +239,8 @@ satin_status render_reduce_photons(struct render *r);
 satin_status render_photons(struct render *r);
 // Finds where caustic paths start, for the request, unless it is known.
 satin_status render_photon_emission(struct render *r, struct photon_request *request);
-// Builds the photon maps and the visibility of the lights, from this fraction of the options'
-// photons, with `global` times as many for the global map.
-satin_status render_photon_maps(struct render *r, double fraction, double global);
+// Builds the photon maps and the visibility of the lights from so many photons.
+satin_status render_photon_maps(struct render *r, const struct render_photon_counts *counts);
 // The time of the steps that grow with the number of photons.
 double render_photon_seconds(const struct render *r);
 // Frees the photons, so that others replace them. The statistics are those before them again; what
