@@ -67,11 +67,14 @@ void app_catch_signals(void) {
         const bool ignored = sigaction(stop[i], NULL, &before) == 0 && before.sa_handler == SIG_IGN;
         if (stop[i] != SIGHUP || !ignored) sigaction(stop[i], &action, NULL);
     }
-    // A write to a closed pipe then fails instead of ending the process.
-    signal(SIGPIPE, SIG_IGN);
 }
 
-void app_set_reading(bool scene_is_read) { atomic_store(&reading, scene_is_read); }
+void app_ignore_closed_pipes(void) { signal(SIGPIPE, SIG_IGN); }
+
+void app_set_reading(bool scene_is_read) {
+    atomic_store(&reading, scene_is_read);
+    if (scene_is_read && app_interrupted()) alarm(1);  // the first one was before there was a scene
+}
 
 bool app_interrupted(void) { return atomic_load(&first_signal) != 0; }
 

@@ -325,7 +325,6 @@ static int check_read(const struct app_render_request *r, const satin_scene *sce
 static int read_checked(struct app_render_request *r, struct app_animation *animation,
                         struct app_progress *progress, satin_scene **scene) {
     app_set_reading(true);
-    app_catch_signals();
     const satin_status status = app_animation_load(r, animation, progress, scene);
     app_set_reading(false);
     if (status != SATIN_OK) return app_exit_of(status);
@@ -337,6 +336,7 @@ static int run_request(struct app_render_request *r) {
     struct app_progress progress;
     satin_scene *scene = NULL;
     double start = stats_wall();
+    app_ignore_closed_pipes();
     app_progress_start(&progress, r->quiet || !app_ranks_first(r->ranks));
     struct app_animation animation = {.path = {.count = 0}};
     int result = name_outputs(r);
@@ -362,6 +362,7 @@ static int check_help(const struct app_render_request *r) {
 int app_render(int argc, char **argv) {
     struct app_ranks ranks;
     struct app_render_request r = {.ranks = &ranks};
+    app_catch_signals();
     if (!app_ranks_begin(&ranks)) return APP_WRONG;
     r.define = calloc((size_t)argc + 1, sizeof *r.define);
     // An argument sets at most four options.

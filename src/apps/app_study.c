@@ -53,6 +53,7 @@ int app_study(int argc, char **argv) {
     // Nothing is written before all scenes are read, which may take long.
     app_set_reading(true);
     app_catch_signals();
+    app_ignore_closed_pipes();
     const int result = app_exit_of(study_run(&request, (struct log){app_log_file, NULL}));
     if (result == APP_DONE && !request.dry && !quiet)
         fprintf(stderr, "%s/study.html\n", request.folder);
