@@ -157,9 +157,14 @@ static const char *replaceable(const char *target) {
     return S_ISREG(st.st_mode) ? NULL : not_regular;
 }
 
-static const char *commit(struct fileio_output *out) {
+// Sets *locked to a descriptor of the new file, or -1 if there is none: its lock remains, so that
+// no process removes the file before it has its name.
+static const char *commit(struct fileio_output *out, int *locked) {
+    *locked = -1;
     if (out->error) return strerror(out->error);
     if (out->temporary && !out->unflushed && fsync(out->fd) != 0) return strerror(errno);
+    if (out->temporary) *locked = fcntl(out->fd, F_DUPFD_CLOEXEC, 0);
+    if (out->temporary && *locked < 0) return strerror(errno);
     const int fd = out->fd;
     out->fd = -1;
     // Some file systems report only here that a write has failed.
@@ -173,11 +178,21 @@ static const char *commit(struct fileio_output *out) {
     return NULL;
 }
 
-satin_status fileio_output_commit(struct log log, struct fileio_output *out) {
-    const char *problem = commit(out);
+satin_status fileio_output_commit_locked(struct log log, struct fileio_output *out, int *fd) {
+    const char *problem = commit(out, fd);
     if (problem) log_message(log, SATIN_LOG_ERROR, "%s: cannot write: %s", out->path, problem);
     fileio_output_discard(out);
-    return problem ? SATIN_ERROR_IO : SATIN_OK;
+    if (!problem) return SATIN_OK;
+    if (*fd >= 0) close(*fd);
+    *fd = -1;
+    return SATIN_ERROR_IO;
+}
+
+satin_status fileio_output_commit(struct log log, struct fileio_output *out) {
+    int fd;
+    const satin_status status = fileio_output_commit_locked(log, out, &fd);
+    if (fd >= 0) close(fd);
+    return status;
 }
 
 void fileio_output_discard(struct fileio_output *out) {

@@ -68,7 +68,7 @@ int fileio_temporary_open(const char *target, char **name) {
     for (int i = 0; i < TRIES && fd < 0 && error == EEXIST; i++) {
         free(*name);
         *name = new_name(target);
-        if (*name) fd = open(*name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (*name) fd = open(*name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         error = errno;
         if (fd >= 0 && !lock_own(fd)) {
             close(fd);

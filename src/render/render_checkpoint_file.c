@@ -122,10 +122,18 @@ satin_status render_checkpoint_file_append(struct checkpoint_file *file, unsigne
 
 // ---- The whole file -----------------------------------------------------------------------------
 
-static struct file_head new_head(void) {
+// Writes what a checkpoint begins with: its head and its identity.
+static void put_begin(struct fileio_output *out, const struct bytes *identity) {
     struct file_head head = {.version = CHECKPOINT_VERSION};
     memcpy(head.magic, checkpoint_magic, sizeof head.magic);
-    return head;
+    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, 0, identity);
+    fileio_output_append(out, &head, sizeof head);
+    fileio_output_append(out, &first, sizeof first);
+    fileio_output_append(out, identity->data, identity->count);
+}
+
+static uint64_t bytes_of_begin(const struct bytes *identity) {
+    return sizeof(struct file_head) + sizeof(struct entry_head) + identity->count;
 }
 
 // Checks the head of an open file. An empty file may become a checkpoint.
@@ -187,25 +195,19 @@ static satin_status open_existing(const char *path, struct log log, bool *exists
     }
 }
 
-// Replaces the open file by a new one with a head and an identity, which appear together.
+// Replaces the open file by a new one, which is locked before it has its name.
 static satin_status begin_new(const char *path, const struct bytes *identity, struct log log,
                               int *fd) {
-    const struct file_head head = new_head();
-    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, 0, identity);
-    struct bytes whole = {0};
-    bool exists;
-    bytes_put(&whole, &head, sizeof head);
-    bytes_put(&whole, &first, sizeof first);
-    bytes_put(&whole, identity->data, identity->count);
+    struct fileio_output out;
+    int made;
+    satin_status status = fileio_output_open(log, path, FILEIO_SEEK, &out);
+    if (status != SATIN_OK) return status;
+    put_begin(&out, identity);
+    status = fileio_output_commit_locked(log, &out, &made);
+    if (status != SATIN_OK) return status;
     if (*fd >= 0) close(*fd);
-    *fd = -1;
-    satin_status status = SATIN_ERROR_MEMORY;
-    if (!whole.failed) status = fileio_write(log, path, whole.data, whole.count);
-    bytes_free(&whole);
-    if (status == SATIN_OK) status = open_existing(path, log, &exists, fd);
-    if (status == SATIN_OK && !exists)
-        status = log_fail(log, SATIN_ERROR_IO, "%s: cannot open: %s", path, strerror(errno));
-    return status;
+    *fd = made;
+    return SATIN_OK;
 }
 
 satin_status render_checkpoint_file_open(const char *path, const struct bytes *identity,
@@ -219,8 +221,7 @@ satin_status render_checkpoint_file_open(const char *path, const struct bytes *i
     struct checkpoint_file *file = status == SATIN_OK ? malloc(sizeof *file) : NULL;
     if (status == SATIN_OK && !file) status = SATIN_ERROR_MEMORY;
     if (file) {
-        const uint64_t first =
-            sizeof(struct file_head) + sizeof(struct entry_head) + identity->count;
+        const uint64_t first = bytes_of_begin(identity);
         *file = (struct checkpoint_file){.path = path, .fd = fd, .first = *resumed ? 0 : first};
         go_to(file, *resumed ? sizeof(struct file_head) : first);
         *out = file;
@@ -260,28 +261,20 @@ static bool copy_range(const struct checkpoint_file *file, uint64_t begin, uint6
 satin_status render_checkpoint_file_replace(struct checkpoint_file *file,
                                             const struct bytes *identity, const struct bytes *image,
                                             struct log log) {
-    const struct file_head head = new_head();
-    const struct entry_head first = head_of(CHECKPOINT_IDENTITY, 0, identity);
     const struct entry_head last = head_of(CHECKPOINT_IMAGE, 0, image);
-    const uint64_t begin = sizeof head + sizeof first + identity->count;
+    const uint64_t begin = bytes_of_begin(identity);
     struct fileio_output out;
     satin_status status = fileio_output_open(log, file->path, FILEIO_SEEK, &out);
     if (status != SATIN_OK) return status;
-    fileio_output_append(&out, &head, sizeof head);
-    fileio_output_append(&out, &first, sizeof first);
-    fileio_output_append(&out, identity->data, identity->count);
+    put_begin(&out, identity);
     if (!copy_range(file, file->first, file->next, &out) && !out.error) out.error = EIO;
     fileio_output_append(&out, &last, sizeof last);
     fileio_output_append(&out, image->data, image->count);
     const uint64_t kept = file->next_passing - file->passing;
     if (!copy_range(file, file->passing, file->passing + kept, &out) && !out.error) out.error = EIO;
-    status = fileio_output_commit(log, &out);
+    int fd;
+    status = fileio_output_commit_locked(log, &out, &fd);
     if (status != SATIN_OK) return status;
-    const int fd = open(file->path, O_RDWR | O_CLOEXEC);
-    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0) {
-        if (fd >= 0) close(fd);
-        return log_fail(log, SATIN_ERROR_IO, "%s: cannot open: %s", file->path, strerror(errno));
-    }
     close(file->fd);
     file->fd = fd;
     file->next = begin + (file->next - file->first);
