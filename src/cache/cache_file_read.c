@@ -79,8 +79,10 @@ static bool is_irradiance(const float *row, uint32_t order) {
 
 static bool is_radiance(const float *row, uint32_t order) {
     const float radius_ratio = row[9];
-    return cache_valid_numbers(row, RADIANCE_WORDS - 2) && radius_ratio >= 0.0f &&
-           radius_ratio <= 1.0f &&
+    const struct frame frame = {v3(row[0], row[1], row[2]), v3(row[3], row[4], row[5]),
+                                v3(row[6], row[7], row[8])};
+    return cache_valid_numbers(row, RADIANCE_WORDS - 2) && cache_valid_frame(&frame) &&
+           radius_ratio >= 0.0f && radius_ratio <= 1.0f &&
            cache_valid_numbers(row + RADIANCE_WORDS, (size_t)COEFFICIENT_WORDS * order * order);
 }
 

@@ -126,5 +126,6 @@ int cache_find(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, 
 
 bool cache_valid_numbers(const float *value, size_t count);
 bool cache_valid_head(const struct cache_head *head);
+bool cache_valid_frame(const struct frame *frame);  // orthonormal
 
 #endif

@@ -12,6 +12,11 @@ bool cache_valid_numbers(const float *value, size_t count) {
 
 static bool is_unit(vec3 v) { return fabsf(v3_len2(v) - 1.0f) < 1e-3f; }
 
+bool cache_valid_frame(const struct frame *f) {
+    return is_unit(f->u) && is_unit(f->v) && is_unit(f->n) && fabsf(v3_dot(f->u, f->v)) < 1e-3f &&
+           fabsf(v3_dot(f->u, f->n)) < 1e-3f && fabsf(v3_dot(f->v, f->n)) < 1e-3f;
+}
+
 bool cache_valid_head(const struct cache_head *h) {
     return v3_finite(h->p) && is_unit(h->n) && is_unit(h->u) && v3_finite(h->anisotropy) &&
            h->R >= 0.0f && isfinite(h->R) && h->search_radius >= 0.0f &&

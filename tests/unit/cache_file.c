@@ -260,6 +260,7 @@ static void values_that_are_not_finite_are_refused(void **state) {
     struct cache_radiance_record *Lambda = &f.cache.store[CACHE_RADIANCE].radiance[7];
     refuse_value(&f, &Lambda->radius_ratio, NAN);
     refuse_value(&f, &Lambda->frame.u.x, NAN);
+    refuse_value(&f, &Lambda->frame.v.y, 1e20f);
     for (int i = 0; i < ORDER * ORDER * CACHE_LANES; i++)
         if (i % CACHE_LANES % 4 != 3 || i % CACHE_LANES == 3)
             refuse_value(&f, &Lambda->value[i], i % 2 ? NAN : INFINITY);

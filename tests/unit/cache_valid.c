@@ -26,7 +26,21 @@ static void heads_are_checked(void **state) {
     assert_false(cache_valid_head(&head));
 }
 
+static void frames_are_checked(void **state) {
+    (void)state;
+    const struct frame good = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    assert_true(cache_valid_frame(&good));
+    const struct frame wrong[] = {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                  {{1, 0, 0}, {0, 1e20f, 0}, {0, 0, 1}},
+                                  {{1, 0, 0}, {0, 1, 0}, {0, 0, NAN}},
+                                  {{1, 0, 0}, {1, 0, 0}, {0, 0, 1}},
+                                  {{1, 0, 0}, {0, 1, 0}, {0, 1, 0}}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        assert_false(cache_valid_frame(&wrong[i]));
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(heads_are_checked)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(heads_are_checked),
+                                       cmocka_unit_test(frames_are_checked)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
