@@ -170,6 +170,15 @@ static void filter_irradiance(const struct filming *f, size_t at,
     add_to_channel(&f->planes, CHANNEL_LAYERS + 3 * SHADE_INDIRECT_DIFFUSE, at, change);
 }
 
+// Whether the sums of samples have left the range of float, which are written as 0.
+static bool has_overflowed(const struct channel_planes *planes, size_t at) {
+    for (int c = 0; c < 3; c++) {
+        const float *beauty = planes->of[c], *variance = planes->of[CHANNEL_VARIANCE + c];
+        if ((beauty && !isfinite(beauty[at])) || (variance && !isfinite(variance[at]))) return true;
+    }
+    return false;
+}
+
 static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
     struct filming *f = ctx;
     const struct render_image *image = f->image;
@@ -187,6 +196,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
         filled += source != pixel;
         render_film_put(image, &f->planes, at, source);
         if (source && f->filters) filter_irradiance(f, at, source);
+        dropped += has_overflowed(&f->planes, at);
     }
     atomic_fetch_add(&f->samples, samples);
     atomic_fetch_add(&f->dropped, dropped);
