@@ -101,11 +101,11 @@ const struct option options_table[] = {
     {"photon-batch", OPTION_COUNT, AT(photon_batch), false, "1..1000000000000",
      "Photon paths that first pass reverse traces at a time. The first batch decides where "
      "irradiance is precomputed and the radius of its estimates, and memory grows with it."},
-    {"photon-k", OPTION_INT, AT(photon_k), false, "1..10000",
+    {"photon-k", OPTION_INT, AT(photon_k), false, "10..10000",
      "Number of photons in a density estimate of the global map; of integrator sppm, in its "
-     "initial "
-     "pass, after which estimates become smaller."},
-    {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
+     "initial pass, after which estimates become smaller. Light is 3 % too bright by 10, and "
+     "within .3 % from 20 on."},
+    {"caustic-k", OPTION_INT, AT(caustic_k), false, "10..10000",
      "Number of photons in a density estimate of the caustic map, for sppm likewise."},
     {"caustic-smooth", OPTION_BOOL, AT(caustic_smooth), false, "off|on",
      "Averages estimates of the caustic map over a wider neighbourhood where they differ by no "
