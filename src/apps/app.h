@@ -177,8 +177,9 @@ void app_log_file(void *user, satin_log_severity severity, const char *message);
 void app_log_file_errors(void *user, satin_log_severity severity, const char *message);
 void app_log(void *user, satin_log_severity severity, const char *message);
 
-// From now on SIGINT, SIGTERM, SIGHUP and SIGUSR1 cancel the render. A signal more than a second after the
-// first one ends the process at once. SIGHUP stays ignored if it was ignored, as under nohup.
+// From now on SIGINT, SIGTERM, SIGHUP and SIGUSR1 cancel the render. A signal more than a second
+// after the first one ends the process at once. SIGHUP stays ignored if it was ignored, as under
+// nohup.
 void app_catch_signals(void);
 // From now on a write to a closed pipe is an error, and does not end the process.
 void app_ignore_closed_pipes(void);

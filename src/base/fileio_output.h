@@ -54,8 +54,8 @@ bool fileio_output_write_at(struct fileio_output *out, const void *data, size_t 
 // but of nothing else. If this or an earlier write fails: logs, removes the new file, returns
 // SATIN_ERROR_IO.
 satin_status fileio_output_commit(struct log log, struct fileio_output *out);
-// The same; *fd is set to a descriptor of the file, for reading and writing, which has had the lock
-// on it since it was opened, or to -1 if that is not a new regular file. The caller closes it.
+// Does that, and sets *fd to a descriptor of the file, for reading and writing, which has had the
+// lock on it since it was opened, or to -1 if that is not a new regular file. The caller closes it.
 satin_status fileio_output_commit_locked(struct log log, struct fileio_output *out, int *fd);
 // Removes the new file instead. Data that was written to a device or a pipe stays there.
 void fileio_output_discard(struct fileio_output *out);

@@ -111,6 +111,9 @@ static inline float at_least(float x, float lo) { return maxf(lo, x); }
 static inline rgb rgb_at_least(rgb a, float lo) {
     return rgb_make(at_least(a.r, lo), at_least(a.g, lo), at_least(a.b, lo));
 }
+static inline rgb rgb_at_most(rgb a, float hi) {
+    return rgb_make(minf(hi, a.r), minf(hi, a.g), minf(hi, a.b));
+}
 // The azimuth of (x, y) as a fraction of the full circle, in [0, 1]; 1 is by rounding. The wide
 // form is in double until its result.
 static inline float azimuth_fraction(float y, float x) {

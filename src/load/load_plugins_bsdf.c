@@ -215,42 +215,8 @@ static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, 
 static param_list ward_params = {
     &bsdf_diffuse_reflectance, &lobe_reflectance, &variant, &ward_alpha_u, &ward_alpha_v, NULL};
 
-// Smaller roughnesses degenerate in single precision; it is also Mitsuba's limit.
-#define ALPHA_MIN 1e-4f
 // A sum of reflectances over 1 is scaled to this, as in Mitsuba 0.6.
 #define ALBEDO_MOST 0.99f
-
-satin_status load_bsdf_set_color(struct load_state *loader, const struct param_value *value,
-                                 struct material_side *side, enum brdf_slot slot) {
-    rgb *field = brdf_color(&side->base, slot);
-    *field = value->color;
-    if (!value->texture) return SATIN_OK;
-    satin_status status = load_texture_of(loader, value->texture, &side->slot[slot]);
-    if (status == SATIN_OK) *field = side->slot[slot]->mean;
-    return status;
-}
-
-// The roughness that is used for a value in the file.
-static float usable_roughness(struct load_state *loader, const struct param_value *value) {
-    if (value->given && value->f < ALPHA_MIN)
-        log_warning_at(loader->log, value->place, "a roughness of %g counts as %g",
-                       (double)value->f, (double)ALPHA_MIN);
-    return fmaxf(value->f, ALPHA_MIN);
-}
-
-satin_status load_bsdf_set_number(struct load_state *loader, const struct param_value *value,
-                                  struct material_side *side, enum brdf_slot slot) {
-    bool rough = slot == BRDF_SLOT_ALPHA_U || slot == BRDF_SLOT_ALPHA_V;
-    float number = value->f;
-    if (value->texture) {
-        satin_status status = load_texture_of(loader, value->texture, &side->slot[slot]);
-        if (status != SATIN_OK) return status;
-        number = rgb_luminance(side->slot[slot]->mean);
-    }
-    if (rough) number = value->texture ? fmaxf(number, ALPHA_MIN) : usable_roughness(loader, value);
-    *brdf_number(&side->base, slot) = fmaxf(number, 0.0f);
-    return SATIN_OK;
-}
 
 // Reads alpha, or alpha_u and alpha_v.
 static satin_status set_alpha(struct load_state *loader, const struct params *p,
@@ -398,15 +364,6 @@ static satin_status build_null(struct load_state *loader, const struct params *p
     return SATIN_OK;
 }
 
-satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct params *p,
-                                        struct material_side *side) {
-    satin_status status =
-        load_bsdf_set_color(loader, load_param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
-    if (status != SATIN_OK) return status;
-    return load_bsdf_set_color(loader, load_param(p, "specular_reflectance"), side,
-                               BRDF_SLOT_SPECULAR);
-}
-
 static satin_status build_plastic(struct load_state *loader, const struct params *p, void *object) {
     struct material_side *side = object;
     side->base.nonlinear = load_param(p, "nonlinear")->b;
@@ -418,7 +375,7 @@ static satin_status build_roughplastic(struct load_state *loader, const struct p
                                        void *object) {
     struct material_side *side = object;
     side->base.distribution = (enum brdf_distribution)load_param(p, "distribution")->i;
-    side->base.alpha_u = side->base.alpha_v = usable_roughness(loader, load_param(p, "alpha"));
+    side->base.alpha_u = side->base.alpha_v = load_bsdf_roughness(loader, load_param(p, "alpha"));
     return build_plastic(loader, p, side);
 }
 

@@ -7,21 +7,26 @@
 
 typedef const struct param_spec *const param_list[];
 
+// ---- Values of parameters (load_plugins_bsdf_values.c)
+
 // Sets the slot of a colour or a number from a parameter: its value, or its texture and, as a
 // constant for estimates, the texture's mean.
 satin_status load_bsdf_set_color(struct load_state *loader, const struct param_value *value,
                                  struct material_side *side, enum brdf_slot slot);
 satin_status load_bsdf_set_number(struct load_state *loader, const struct param_value *value,
                                   struct material_side *side, enum brdf_slot slot);
+// The roughness that is used for a value in the file.
+float load_bsdf_roughness(struct load_state *loader, const struct param_value *value);
+// Sets the diffuse and the specular factor that many BRDFs have, and their rows of a table.
+satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct params *p,
+                                        struct material_side *side);
+extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
+
+// ---- BRDFs
 
 // Whether an index of refraction, called `name`, is in range; else logs an error.
 bool load_bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name,
                          float ior);
-
-// The diffuse and the specular factor that many BRDFs have: their table rows, and setting both.
-extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
-satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct params *p,
-                                        struct material_side *side);
 
 // load_plugins_principled.c
 extern param_list bsdf_principled_params, bsdf_principledthin_params, bsdf_difftrans_params;

@@ -10,7 +10,10 @@
 
 enum {
     BOUNCES_MAX = 1000,  // ends paths that a mirror with albedo 1 would continue for ever
-    SPLIT_MOST = 64      // a bound of time alone: photons grow so much once in thousands of bounces
+    // Bounds of time alone, of one photon and of all of a path: photons grow so much once in
+    // thousands of bounces.
+    SPLIT_MOST = 64,
+    SPLIT_PATH_MOST = 4096
 };
 
 static bool append(struct photon_stored *photons, struct photon_hit hit, enum photon_class class) {
@@ -109,6 +112,7 @@ struct photon_walk {
     float unit;      // the largest component of the power with which the path began
     struct rng *rng;
     struct photon_chunk *chunk;
+    int *parts;  // photons into which those of the path were split so far
 };
 
 static double luminous(const struct photon_path *photon) {
@@ -123,7 +127,10 @@ static int split_count(const struct photon_walk *walk, const struct photon_surfa
     for (int i = 0; i < at->facets; i++)
         factor = fmaxf(factor, photon_factor_in(at, &at->facet[i].frame));
     const float power = rgb_max(photon->power) * factor;
-    return power < 1.5f * walk->unit ? 1 : (int)fminf(rintf(power / walk->unit), SPLIT_MOST);
+    if (power < 1.5f * walk->unit || *walk->parts >= SPLIT_PATH_MOST) return 1;
+    const int count = (int)fminf(rintf(power / walk->unit), SPLIT_MOST);
+    *walk->parts += count;
+    return count;
 }
 
 // Scatters the photon. False if it is absorbed, or refused because its power is not finite.
@@ -196,7 +203,8 @@ static void follow(const struct photon_walk *walk, struct photon_path photon, in
 
 void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
                         struct photon_path photon, struct rng *rng, struct photon_chunk *chunk) {
+    int parts = 0;
     const struct photon_walk walk = {
-        scene, caustic ? BRDF_DELTA : BRDF_ALL, bounces, rgb_max(photon.power), rng, chunk};
+        scene, caustic ? BRDF_DELTA : BRDF_ALL, bounces, rgb_max(photon.power), rng, chunk, &parts};
     follow(&walk, photon, 0);
 }

@@ -142,6 +142,12 @@ static float clamp_number(enum brdf_slot slot, float x) {
     return slot == BRDF_SLOT_IOR ? clampf(x, BRDF_IOR_MIN, BRDF_IOR_MAX) : clampf(x, 0.0f, 1e6f);
 }
 
+// A colour from a texture, whose values may be any: of a reflectance or transmittance no more than
+// 1 counts, as photons and paths would become stronger at each bounce.
+static rgb clamp_reflectance(enum brdf_slot slot, rgb x) {
+    return slot < BRDF_SLOT_ETA ? rgb_at_most(x, 1.0f) : x;
+}
+
 // Sets the values of `b` that are textured. Colours are averaged over the footprint, unless a
 // texture decides where they are shown.
 static void set_brdf_values(const struct material_side *side, const struct texture_lookup *at,
@@ -152,7 +158,8 @@ static void set_brdf_values(const struct material_side *side, const struct textu
     for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
         if (!slot[i]) continue;
         if (i < BRDF_SLOT_NUMBERS)
-            *brdf_color(b, i) = scene_texture_eval(slot[i], side->pointwise ? &point : at);
+            *brdf_color(b, i) =
+                clamp_reflectance(i, scene_texture_eval(slot[i], side->pointwise ? &point : at));
         else
             *brdf_number(b, i) = clamp_number(i, scene_texture_number(slot[i], &point));
     }

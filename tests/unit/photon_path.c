@@ -15,19 +15,22 @@
 
 enum { PHOTON_PATH_PATHS = 1 << 17 };
 
-static struct photon_power photon_path_balance(const struct test_scene *t, int bounces) {
+static struct photon_power photon_path_trace(const struct test_scene *t, uint64_t paths,
+                                             int bounces) {
     struct parallel *pool = parallel_new(2);
     assert_non_null(pool);
-    const struct photon_tracing tracing = {.scene = &t->scene,
-                                           .seed = 1,
-                                           .consumer = {{PHOTON_PATH_PATHS, 0, NULL}},
-                                           .bounces = bounces};
+    const struct photon_tracing tracing = {
+        .scene = &t->scene, .seed = 1, .consumer = {{paths, 0, NULL}}, .bounces = bounces};
     struct photon_trace trace[PHOTON_CONSUMERS] = {{0}};
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
     const struct photon_power power = trace[0].power;
     for (int k = 0; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
     parallel_free(pool);
     return power;
+}
+
+static struct photon_power photon_path_balance(const struct test_scene *t, int bounces) {
+    return photon_path_trace(t, PHOTON_PATH_PATHS, bounces);
 }
 
 // The lamps of the cases, with the power that they emit by their definition [W]; 0: it depends on
@@ -124,6 +127,21 @@ static void fractions_are_those_of_the_scene(void **state) {
                     5.0 * sqrt(left * (1.0 - left) / PHOTON_PATH_PATHS));
         assert_true(fabs((power.absorbed + power.ended) / power.emitted - 1.0) < 1e-6);
     }
+    test_scene_free(&t);
+}
+
+// A wall that reflects four times what arrives, which no scene file can have: photons become
+// stronger at each bounce, and the paths end all the same, with all of their power.
+static void paths_of_growing_power_end(void **state) {
+    (void)state;
+    enum { PATHS = 16, BOUNCES = 14 };
+    struct test_scene t;
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, 4, 4, 4));
+    test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1)});
+    test_scene_finish(&t);
+    const struct photon_power power = photon_path_trace(&t, PATHS, BOUNCES);
+    assert_true(fabs(power.ended / (power.emitted * pow(4.0, BOUNCES + 1)) - 1.0) < 1e-4);
     test_scene_free(&t);
 }
 
@@ -265,6 +283,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(power_is_absorbed_or_escapes),
         cmocka_unit_test(fractions_are_those_of_the_scene),
+        cmocka_unit_test(paths_of_growing_power_end),
         cmocka_unit_test(paths_store_by_albedo),
         cmocka_unit_test(tilted_normals_have_their_irradiance),
         cmocka_unit_test(tilted_normals_scatter_equal_photons),

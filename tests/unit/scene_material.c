@@ -69,6 +69,13 @@ static void textures_replace_the_values_of_slots(void **state) {
     material.front.slot[BRDF_SLOT_EXPONENT] = &negative;
     assert_true(scene_brdf(&scene, &s, v3(0, 0, 1), &b, &f));
     assert_true(b.exponent == 0.0f);
+    // No more than 1 counts of a reflectance, but all of an index of refraction.
+    const struct texture bright = {.kind = TEXTURE_CONSTANT, .value = {100, .5f, 2}};
+    material.front.slot[BRDF_SLOT_DIFFUSE] = material.front.slot[BRDF_SLOT_SPECULAR] = &bright;
+    material.front.slot[BRDF_SLOT_ETA] = &bright;
+    assert_true(scene_brdf(&scene, &s, v3(0, 0, 1), &b, &f));
+    assert_true(b.diffuse.r == 1.0f && b.diffuse.g == .5f && b.specular.b == 1.0f);
+    assert_true(b.eta.r == 100.0f);
 }
 
 // A component of a surface with holes is drawn among those that are not holes, by weight times
