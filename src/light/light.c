@@ -9,6 +9,14 @@
 #define UNIFORM 0.25f
 #define UNIFORM_VISIBILITY 0.1f
 
+// Makes a lamp black that coincides with another one, which hides it (scene_trace.c).
+static void darken_if_hidden(const struct satin_scene *scene, struct light *light) {
+    if (light->kind != LIGHT_AREA && light->kind != LIGHT_BEAM) return;
+    if (scene->shape[light->shape].light == (int32_t)(light - scene->light)) return;
+    light->value = rgb_grey(0.0f);
+    light->texture = NULL;
+}
+
 satin_status light_prepare(struct satin_scene *scene, struct log log) {
     scene->light_cdf = NULL;
     scene->panes = light_has_panes(scene);
@@ -18,6 +26,7 @@ satin_status light_prepare(struct satin_scene *scene, struct log log) {
     satin_status status = power && cdf ? SATIN_OK : SATIN_ERROR_MEMORY;
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
         struct light *light = &scene->light[i];
+        darken_if_hidden(scene, light);
         switch (light->kind) {
             case LIGHT_AREA:
                 status = light_area_prepare(scene, light);

@@ -196,14 +196,16 @@ static bool *find_hidden(const struct satin_scene *scene, struct accel_shapes sh
                          struct accel *accel) {
     const uint32_t first = shapes.first, count = shapes.count;
     bool *hidden = array_new((size_t)count + 1, sizeof *hidden);
-    if (!hidden ||
-        scene_coincide_find(scene, first, count, shapes.group, hidden, &accel->hidden_count)) {
-        for (uint32_t i = count; hidden && i-- > 0;)
-            if (hidden[i]) accel->hidden_first = first + i;
-        return hidden;
+    uint32_t found = 0;
+    if (hidden && scene_coincide_find(scene, first, count, shapes.group, hidden, &found))
+        accel->hidden = array_new((size_t)found + 1, sizeof *accel->hidden);
+    if (!accel->hidden) {
+        free(hidden);
+        return NULL;
     }
-    free(hidden);
-    return NULL;
+    for (uint32_t i = 0; i < count; i++)
+        if (hidden[i]) accel->hidden[accel->hidden_count++] = first + i;
+    return hidden;
 }
 
 // Sorts the shapes that are not hidden into geometries: meshes and curves first, then all quadrics,
@@ -283,4 +285,5 @@ void scene_accel_free(struct accel *accel) {
     free(accel->geometry_shape);
     free(accel->guard);
     free(accel->quadric);
+    free(accel->hidden);
 }

@@ -22,8 +22,7 @@ struct accel {
     struct guard *guard;       // geometry id -> data of its filter
     uint32_t quadric_id, quadric_count;
     struct quadric *quadric;
-    uint32_t hidden_count, hidden_first;  // number of shapes that coincide with others, and one of
-                                          // them
+    uint32_t *hidden, hidden_count;  // the shapes that coincide with others, which hide them
 };
 
 // The shapes `first` to `first + count - 1` that belong to `group` (0: to none).

@@ -77,15 +77,20 @@ static void set_bounds(struct satin_scene *scene, const struct trace *trace) {
     }
 }
 
+// A lamp that no ray meets is none (light.c).
+static void darken_hidden(struct satin_scene *scene, const struct accel *accel) {
+    for (uint32_t i = 0; i < accel->hidden_count; i++) scene->shape[accel->hidden[i]].light = -1;
+}
+
 // Coincident shapes are usually a mistake in the scene: only the first of them is visible.
 static void warn_of_hidden(const struct satin_scene *scene, const struct trace *trace,
                            struct log log) {
     uint32_t hidden = trace->top.hidden_count;
-    uint32_t first = hidden ? trace->top.hidden_first : UINT32_MAX;
+    uint32_t first = hidden ? trace->top.hidden[0] : UINT32_MAX;
     for (uint32_t g = 0; g < trace->group_count; g++) {
         const struct accel *accel = &trace->group[g];
         hidden += accel->hidden_count;
-        if (accel->hidden_count && accel->hidden_first < first) first = accel->hidden_first;
+        if (accel->hidden_count && accel->hidden[0] < first) first = accel->hidden[0];
     }
     if (!hidden) return;
     const char *name = scene->shape[first].name;
@@ -132,6 +137,8 @@ satin_status scene_trace_build(struct satin_scene *scene, struct log log) {
         return status;
     }
     set_bounds(scene, trace);
+    darken_hidden(scene, &trace->top);
+    for (uint32_t g = 0; g < trace->group_count; g++) darken_hidden(scene, &trace->group[g]);
     warn_of_hidden(scene, trace, log);
     warn_of_precision(scene, log);
     scene->trace = trace;

@@ -68,7 +68,8 @@ static void parameters_keep_their_meaning(void **state) {
         "<texture type='checkerboard' name='diffuseReflectance'><float name='voffset' value='.5'/>"
         "<float name='uscale' value='4'/></texture></bsdf>"
         "<emitter type='area'><spectrum name='radiance' value='2'/></emitter></shape>"
-        "<shape type='rectangle'><bsdf type='diffuse'><srgb name='reflectance' value='.5'/></bsdf>"
+        "<shape type='rectangle'><transform name='toWorld'><translate z='1'/></transform>"
+        "<bsdf type='diffuse'><srgb name='reflectance' value='.5'/></bsdf>"
         "<emitter type='area'><blackbody name='radiance' temperature='5000K' scale='.001'/>"
         "</emitter></shape></scene>";
     char text[2048];

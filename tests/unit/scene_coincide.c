@@ -63,6 +63,22 @@ static void holes_do_not_coincide(void **state) {
     test_scene_free(&scene_coincide_table);
 }
 
+static void a_hidden_lamp_gives_no_light(void **state) {
+    (void)state;
+    test_scene_init(&scene_coincide_table);
+    const uint32_t white = test_diffuse(&scene_coincide_table, .5f, .5f, .5f);
+    for (int i = 0; i < 2; i++) {
+        const uint32_t lamp =
+            test_quadric(&scene_coincide_table, SHAPE_SPHERE, mat4_identity(), false, white);
+        test_area_light(&scene_coincide_table, lamp, rgb_grey(1.0f));
+    }
+    test_scene_finish(&scene_coincide_table);
+    const struct light *light = scene_coincide_table.scene.light;
+    assert_true(light[0].value.g == 1.0f && light[1].value.g == 0.0f);
+    assert_true(light[1].power < 1e-6f * light[0].power);
+    test_scene_free(&scene_coincide_table);
+}
+
 static void an_emitter_hides_what_coincides_with_it(void **state) {
     (void)state;
     test_scene_init(&scene_coincide_table);
@@ -126,6 +142,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_coincidence_is_found),
         cmocka_unit_test(holes_do_not_coincide),
+        cmocka_unit_test(a_hidden_lamp_gives_no_light),
         cmocka_unit_test(an_emitter_hides_what_coincides_with_it),
         cmocka_unit_test(shapes_of_other_sizes_do_not_coincide),
         cmocka_unit_test(coincidence_is_reported_once),
