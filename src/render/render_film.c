@@ -6,9 +6,6 @@
 #include "base/array.h"
 #include "render/render_image.h"
 
-// The least weight of a pixel per sample; the mean is 1.
-static const float WEIGHT_LEAST = 0.25f;
-
 static void put(const struct channel_planes *planes, int channel, size_t at, float value) {
     if (planes->of[channel]) planes->of[channel][at] = value;
 }
@@ -30,13 +27,11 @@ const struct image_pixel *render_image_source(const struct render_image *image, 
 }
 
 float render_image_scale(const struct image_pixel *pixel) {
-    // A few samples of a filter with negative lobes may have almost no weight together.
-    float least = WEIGHT_LEAST * (float)pixel->samples;
-    return pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
+    return pixel->samples ? 1.0f / pixel->weight : 0.0f;
 }
 
-// The fraction of a pixel that samples of this weight cover. Under a filter with negative lobes the
-// weights of all samples may add up to almost nothing or less, and still an opaque pixel is opaque.
+// The fraction of a pixel that samples of this weight cover, whose sum may be negative or more than
+// that of all under a filter with negative lobes.
 static float fraction_covered(const struct image_pixel *pixel, float weight) {
     return pixel->weight != 0.0f ? fminf(fmaxf(weight / pixel->weight, 0.0f), 1.0f) : 0.0f;
 }
