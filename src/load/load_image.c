@@ -55,7 +55,8 @@ static void finish_texels(const struct load_source *source, float *texel, size_t
 
 static satin_status image_error(const struct load_source *source, const char *problem,
                                 bool no_memory) {
-    log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, problem);
+    log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path,
+                 *problem ? problem : "it is damaged or cut short");
     return no_memory ? SATIN_ERROR_MEMORY : SATIN_ERROR_INPUT;
 }
 

@@ -154,7 +154,7 @@ satin_status load_field_of_view(struct load_state *loader, const struct params *
     tan[0] = (float)tangent;
     tan[1] = (float)(tangent / aspect);
     if (tan[0] > 0.0f && tan[0] < 1e6f && tan[1] > 0.0f) return SATIN_OK;
-    return load_refuse(loader, p, "its angle of view must be in (0, 180) degrees");
+    return load_refuse(loader, p, "its angle of view must be over 0 and at most 179.9998 degrees");
 }
 
 static satin_status set_field_of_view(struct load_state *loader, const struct params *p,
