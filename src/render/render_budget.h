@@ -111,9 +111,9 @@ struct render_photon_counts {
     double fraction;         // of the options' photons
     double global, caustic;  // factors of those of either map
 };
-// The photons that replace the first ones with a time limit, after the first ones took `seconds`,
-// where `starved` is the factor for the global map, and `caustics` is render_budget_caustics.
-// Fraction 0: the first ones are kept.
+// The photons that replace the first ones with a time limit, where all of the options are expected
+// to take `seconds`, `starved` is the factor for the global map, and `caustics` is
+// render_budget_caustics. Fraction 0: the first ones are kept.
 struct render_photon_counts render_budget_photons(const struct render *r, double seconds,
                                                   double starved, double caustics);
 // Integrators photons and sppm trace some photons, and then more until those fit.

@@ -152,9 +152,8 @@ double render_budget_caustics(double fraction) { return fmin(fraction / CAUSTIC_
 struct render_photon_counts render_budget_photons(const struct render *r, double seconds,
                                                   double starved, double caustics) {
     const double left = photons_end(r, caustics) - render_elapsed(r);
-    const double times = PHOTONS_CAUTION * left / seconds;
-    if (times < PHOTONS_AGAIN) return (struct render_photon_counts){0};
-    const double fit = times * FIRST_PHOTONS, most = fmax(fit, 1.0);
+    const double fit = PHOTONS_CAUTION * left / seconds, most = fmax(fit, 1.0);
+    if (fit < PHOTONS_AGAIN * FIRST_PHOTONS) return (struct render_photon_counts){0};
     const double caustic = 1.0 + (TIMED_CAUSTICS - 1.0) * caustics;
     return (struct render_photon_counts){fmin(fit, 1.0), fmin(starved, most), fmin(caustic, most)};
 }

@@ -121,6 +121,26 @@ double render_photon_seconds(const struct render *r) {
     return render_agreed(r, seconds);
 }
 
+// The paths that are traced for this fraction of the options' photons.
+static double paths_traced(const struct render *r, double fraction) {
+    satin_options o = r->options;
+    o.photons = render_fraction(o.photons, fraction);
+    o.caustic_photons = r->first_pass.emission ? render_fraction(o.caustic_photons, fraction) : 0;
+    const struct photon_paths p = render_budget_paths(&o, render_core_seconds(r));
+    return (double)(p.global + p.clusters + p.direct + p.caustic);
+}
+
+// The seconds that all photons of the options will take, by those of the first ones, which are this
+// fraction of them: those for tracing as the number of paths, which has as many for clusters by few
+// photons as by all; those for the clusters are the same; the others as the photons.
+static double expected_seconds(const struct render *r, double first) {
+    const double trace = render_agreed(r, stats_get(&r->stats, "photons.trace_s")),
+                 clusters = render_agreed(r, stats_get(&r->stats, "photons.clusters_s"));
+    const double others = fmax(render_photon_seconds(r) - trace - clusters, 0.0);
+    return trace * paths_traced(r, 1.0) / fmax(paths_traced(r, first), 1.0) + clusters +
+           others / first;
+}
+
 // Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
     if (render_can_trace_paths(r)) render_limit_photon_pilot(r);
@@ -172,7 +192,7 @@ satin_status render_photons(struct render *r) {
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow || !(r->options.time > 0.0)) return status;
     struct render_photon_counts more = render_budget_photons(
-        r, render_photon_seconds(r), starved(r, first * (double)r->options.photons), caustics(r));
+        r, expected_seconds(r, first), starved(r, first * (double)r->options.photons), caustics(r));
     if (!(more.fraction > 0.0)) return SATIN_OK;
     render_memory_grow(r, &more);
     render_drop_photons(r, before);

@@ -93,18 +93,18 @@ static void photons_fit_into_the_time_or_are_left_out(void **state) {
     const struct render r = render_budget_make(1000.0);
     const double first = render_budget_first_photons(&r);
     assert_true(first > 0.0 && first < 0.1);
-    struct render_photon_counts few = render_budget_photons(&r, 30.0, 4.0, 0.0);
+    struct render_photon_counts few = render_budget_photons(&r, 480, 4.0, 0.0);
     assert_true(few.fraction > first && few.fraction < 1.0 && few.global == 1.0);
     // There is time for twice the photons, and for ten times as many.
-    assert_true(render_budget_photons(&r, 8.4, 4.0, 0.0).fraction == 1.0);
-    assert_true(fabs(render_budget_photons(&r, 8.4, 4.0, 0.0).global - 2.0) < 0.1);
-    assert_true(render_budget_photons(&r, 1.7, 4.0, 0.0).global == 4.0);
-    assert_true(render_budget_photons(&r, 1000.0, 4.0, 0.0).fraction == 0.0);
+    assert_true(render_budget_photons(&r, 134.4, 4.0, 0.0).fraction == 1.0);
+    assert_true(fabs(render_budget_photons(&r, 134.4, 4.0, 0.0).global - 2.0) < 0.1);
+    assert_true(render_budget_photons(&r, 27.2, 4.0, 0.0).global == 4.0);
+    assert_true(render_budget_photons(&r, 16000, 4.0, 0.0).fraction == 0.0);
     // Caustics have more time, and more photons if they fit.
-    assert_true(render_budget_photons(&r, 30.0, 4.0, 1.0).fraction > few.fraction);
-    assert_true(render_budget_photons(&r, 8.4, 4.0, 0.0).caustic == 1.0);
-    assert_true(render_budget_photons(&r, 8.4, 4.0, 1.0).caustic > 2.0);
-    assert_true(render_budget_photons(&r, 1.7, 4.0, 1.0).caustic == 4.0);
+    assert_true(render_budget_photons(&r, 480, 4.0, 1.0).fraction > few.fraction);
+    assert_true(render_budget_photons(&r, 134.4, 4.0, 0.0).caustic == 1.0);
+    assert_true(render_budget_photons(&r, 134.4, 4.0, 1.0).caustic > 2.0);
+    assert_true(render_budget_photons(&r, 27.2, 4.0, 1.0).caustic == 4.0);
     assert_true(render_budget_caustics(0.0) == 0.0 && render_budget_caustics(10.0) == 1.0);
     parallel_free(r.pool);
 }
