@@ -120,9 +120,10 @@ static double luminous(const struct photon_path *photon) {
 }
 
 // The number of photons into which one is split before it is scattered, so that those which go on
-// have the power with which the path began.
+// have the power with which the path began. Delta lobes alone would send all of them to one point.
 static int split_count(const struct photon_walk *walk, const struct photon_surface *at,
                        const struct photon_path *photon) {
+    if (!(walk->lobes & at->side->base.model->lobes & BRDF_SMOOTH)) return 1;
     float factor = 1.0f;
     for (int i = 0; i < at->facets; i++)
         factor = fmaxf(factor, photon_factor_in(at, &at->facet[i].frame));

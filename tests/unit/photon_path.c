@@ -222,6 +222,18 @@ static void tilted_normals_have_their_irradiance(void **state) {
     }
 }
 
+// A beam of .0014 rad along (-sin a, 0, -cos a) to the origin, in a black sphere.
+static void photon_path_beam(struct test_scene *t, float a) {
+    test_quadric(t, SHAPE_SPHERE, test_transform(v3(0, 0, 0), v3(30, 30, 30)), true,
+                 test_diffuse(t, 0, 0, 0));
+    test_light(t, (struct light){.kind = LIGHT_SPOT,
+                                 .value = rgb_grey(1),
+                                 .position = v3(20 * sinf(a), 0, 20 * cosf(a)),
+                                 .direction = v3(-sinf(a), 0, -cosf(a)),
+                                 .cos_beam = 1.0f - 1e-6f,
+                                 .cos_cutoff = 1.0f - 1e-6f});
+}
+
 // A narrow beam along (-sin a, 0, -cos a) meets a floor whose normal is tilted by b. By the adjoint
 // BSDF the floor scatters albedo cos(a - b) / cos(a) (1 + cos b) / 2 of its power: the integral of
 // the cosine about the flat normal over the directions above both horizons is pi (1 + cos b) / 2.
@@ -234,14 +246,7 @@ static void scatter_at_tilted_normal(float a, bool upright) {
     test_scene_init(&t);
     const uint32_t floor = photon_path_floor(&t, albedo, &map);
     t.material[floor].front.bump[0].upright = upright;
-    test_quadric(&t, SHAPE_SPHERE, test_transform(v3(0, 0, 0), v3(30, 30, 30)), true,
-                 test_diffuse(&t, 0, 0, 0));
-    test_light(&t, (struct light){.kind = LIGHT_SPOT,
-                                  .value = rgb_grey(1),
-                                  .position = v3(20 * sinf(a), 0, 20 * cosf(a)),
-                                  .direction = v3(-sinf(a), 0, -cosf(a)),
-                                  .cos_beam = 1.0f - 1e-6f,
-                                  .cos_cutoff = 1.0f - 1e-6f});
+    photon_path_beam(&t, a);
     test_scene_finish(&t);
     struct parallel *pool = parallel_new(1);
     const struct photon_tracing tracing = {.scene = &t.scene,
@@ -279,6 +284,41 @@ static void tilted_normals_scatter_equal_photons(void **state) {
     }
 }
 
+// A mirror whose normal is tilted by b reflects cos(a - 2 b) / cos(a) of the power of a beam, by
+// the adjoint BSDF. Parts of a photon would all meet the same point, so it stays whole.
+static void mirrored_photons_stay_whole(void **state) {
+    (void)state;
+    const float a = 1.4f, b = 0.6f;
+    const struct texture map = photon_path_map(b);
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t mirror = test_material(&t, "conductor", rgb_grey(0), rgb_grey(1));
+    t.material[mirror].front.bump[0].normal = &map;
+    test_rectangle(&t, mat4_identity(), mirror);
+    photon_path_beam(&t, a);
+    test_scene_finish(&t);
+    struct parallel *pool = parallel_new(1);
+    enum { PATHS = 4096 };
+    const struct photon_tracing tracing = {.scene = &t.scene,
+                                           .seed = 1,
+                                           .consumer = {{PATHS, 1 << PHOTON_CAUSTIC, NULL}},
+                                           .bounces = -1};
+    struct photon_trace trace[PHOTON_CONSUMERS] = {{0}};
+    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
+    double sum = 0.0;
+    for (size_t k = 0; k < trace[0].count; k++) sum += (double)trace[0].hit[k].power.g;
+    sum /= trace[0].power.emitted;
+    const double expected = (double)(cosf(a - 2.0f * b) / cosf(a));
+    print_message("%zu photons of %d paths, %.4f of the power, %.4f expected\n", trace[0].count,
+                  PATHS, sum, expected);
+    // A few paths start beside the beam, where it has no light.
+    assert_in_range(trace[0].count, PATHS * 99 / 100, PATHS);
+    assert_true(fabs(sum / expected - 1.0) < 0.01);  // the beam is .0014 rad wide
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(power_is_absorbed_or_escapes),
@@ -287,6 +327,7 @@ int main(void) {
         cmocka_unit_test(paths_store_by_albedo),
         cmocka_unit_test(tilted_normals_have_their_irradiance),
         cmocka_unit_test(tilted_normals_scatter_equal_photons),
+        cmocka_unit_test(mirrored_photons_stay_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
