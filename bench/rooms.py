@@ -6,10 +6,10 @@
 
 ROOMS is a folder of folders, each with a scene.xml and reference-WxH.exr of the same film, as
 another renderer made it; those without are left out, saying so. Renders alternate, so that a busy
-machine is busy for all. Images and statistics are left in DIR. relMSE over all pixels, means
-relative to the reference's. The references are path-traced and so have noise of their own, which
-relMSE counts; `error` does not: it is found by the reference and a further path-traced image, of
-the longest limit (unbiased.py).
+machine is busy for all. Images and statistics are left in DIR. relMSE over all pixels, FLIP as by
+`satin compare --flip`, means relative to the reference's. The references are path-traced and so
+have noise of their own, which relMSE and FLIP count; `error` does not: it is found by the reference
+and a further path-traced image, of the longest limit (unbiased.py).
 """
 import glob
 import json
@@ -37,8 +37,8 @@ def rooms(folder):
 
 
 def error(options, image, reference):
-    found = json.loads(runs.run([options.satin, "compare", image, reference, "--json"]))
-    return found["relmse"], found["mean_ratio"] - 1
+    found = json.loads(runs.run([options.satin, "compare", image, reference, "--json", "--flip"]))
+    return found["relmse"], found["flip"], found["mean_ratio"] - 1
 
 
 def exact_error(image, reference, traced):
@@ -57,8 +57,8 @@ def main():
         sys.exit("skipped: give a folder of rooms, and one for images\n\n" + __doc__)
     folder = sys.argv.pop(1)
     options = p.parse_args()
-    print("| room | seconds | method | error | relMSE | mean | samples per pixel |\n"
-          "|---|---|---|---|---|---|---|")
+    print("| room | seconds | method | error | relMSE | FLIP | mean | samples per pixel |\n"
+          "|---|---|---|---|---|---|---|---|")
     for name, scene, reference, (width, height) in rooms(folder):
         size = ["--width", width, "--height", height]
         traced, _ = runs.render(options, scene, f"{name}-traced", *size, "--integrator", "path",
@@ -75,9 +75,9 @@ def main():
                                *error(options, image, reference), stats["image.spp"])
                         results.setdefault(" ".join([method, *denoise]), []).append(row)
             for method, rows in results.items():
-                exact, relmse, mean, spp = (statistics.mean(column) for column in zip(*rows))
+                exact, relmse, flip, mean, spp = (statistics.mean(column) for column in zip(*rows))
                 print(f"| {name} | {limit:g} | {method} | {exact:.4f} | {relmse:.4f} | "
-                      f"{100 * mean:+.2f} % | {spp:.1f} |", flush=True)
+                      f"{flip:.4f} | {100 * mean:+.2f} % | {spp:.1f} |", flush=True)
 
 
 if __name__ == "__main__":
