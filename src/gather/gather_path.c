@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path tracing with MIS of light and BRDF sampling: the reference, and the first pass `path`.
 // Depths count path segments, as in Mitsuba 3; the longest path has max_depth segments. In
-// progressive photon mapping, paths read indirect light and caustics from photons, and continue in
-// the directions that these leave out.
+// progressive photon mapping, paths read indirect light and caustics from photons. They continue in
+// the directions that these leave out and, where photons of indirect light are sparse, in all.
 #include "gather/gather.h"
 
 // The largest probability of survival, so that no path between perfect mirrors is endless.
@@ -11,11 +11,14 @@ static const float ROULETTE_MAX = 0.95f;
 // The state of a path after its start.
 struct path_walk {
     struct ray ray;
-    rgb T;     // of direct light, which light samples can find too
-    rgb rest;  // of all other light: T, without directions whose light is from photons
+    rgb T;        // of direct light, which light samples can find too
+    rgb caustic;  // of light that is met by a chain of specular surfaces, and of reflected light:
+    rgb rest;     // T, without directions whose caustics or indirect light are from photons
     float eta;
-    int depth;    // number of segments before the ray
-    vec3 from;    // the last surface with smooth lobes on the path
+    float length;   // from the eye
+    bool indirect;  // whether the indirect light of the last surface is from photons
+    int depth;      // number of segments before the ray
+    vec3 from;      // the last surface with smooth lobes on the path
     float pdf_w;  // density of the BRDF sample by which `from` was left, per light sample there; 0:
                   // by a delta lobe, or there is none
     struct light_chain chain;  // chain of specular surfaces from there on
@@ -29,7 +32,7 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
                    const struct interaction *hit, rgb *T) {
     const vec3 *from = walk->pdf_w > 0.0f ? &walk->from : NULL;
     const struct gather_met_light met = gather_meet_light(g, &walk->chain, walk->ray.d, from, hit);
-    *T = met.direct ? walk->T : walk->rest;
+    *T = met.direct ? walk->T : walk->caustic;
     return met.direct ? rgb_scale(met.Le, mis_power(walk->pdf_w, met.light_pdf)) : met.Le;
 }
 
@@ -66,7 +69,9 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
     const vec3 d = frame_to_world(&from->frame, next.wi);
     leave_point(g, from, &next, d, walk);
     walk->T = rgb_mul(walk->T, next.weight);
-    walk->rest = rgb_mul(walk->rest, g->sppm ? photon_sppm_rest(from, &next) : next.weight);
+    const rgb left = g->sppm ? photon_sppm_rest(from, &next) : next.weight;
+    walk->caustic = rgb_mul(next.pdf_w > 0.0f ? walk->rest : walk->caustic, left);
+    walk->rest = rgb_mul(walk->rest, walk->indirect ? left : next.weight);
     walk->eta *= next.eta;
     walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
     walk->specular = walk->specular && !(next.pdf_w > 0.0f);
@@ -76,21 +81,24 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
         float survive = fminf(rgb_max(walk->T) * walk->eta * walk->eta, ROULETTE_MAX);
         if (!(sampler_1d(sampler) < survive)) return false;
         walk->T = rgb_scale(walk->T, 1.0f / survive);
+        walk->caustic = rgb_scale(walk->caustic, 1.0f / survive);
         walk->rest = rgb_scale(walk->rest, 1.0f / survive);
     }
     return !rgb_black(walk->T);
 }
 
-// The light that is known at a point without continuing the path. `depth` is the number of segments
-// up to the point.
-static rgb known_light(const struct gather *g, const struct shading_point *p, int depth,
-                       struct sampler sampler) {
+// The light that is known at a point without continuing the path; whether indirect light is, is
+// noted in the walk.
+static rgb known_light(const struct gather *g, const struct shading_point *p,
+                       struct path_walk *walk, struct sampler sampler) {
+    const int depth = walk->depth + 1;
     const int count = count_light_samples(g, depth);
     const struct gather_mis both = {depth, {{BRDF_ALL, 1.0f / (float)count}}};
     const struct gather_light_samples samples = {count, sampler.index * (uint32_t)count};
     const rgb direct = gather_sample_lights(g, p, both, samples, sampler, NULL);
+    walk->indirect = false;
     if (!g->sppm || !(p->lobes & BRDF_REFLECT)) return direct;
-    return rgb_add(direct, photon_sppm_radiance(g->sppm, p, depth));
+    return rgb_add(direct, photon_sppm_radiance(g->sppm, p, depth, walk->length, &walk->indirect));
 }
 
 // The radiance of a path, and the first hit: `first` for a gather ray, `eye` for an eye ray.
@@ -121,8 +129,9 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
             eye->point = from;
         }
         if (last || !from.lobes) break;
+        walk.length += s.t;
         if (!rgb_black(walk.rest))
-            L = rgb_fma(L, walk.rest, known_light(g, &from, walk.depth + 1, *sampler));
+            L = rgb_fma(L, walk.rest, known_light(g, &from, &walk, *sampler));
         sampler->dimension += 2;
     } while (bounce(g, &from, sampler, &walk));
     return L;
@@ -130,8 +139,12 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
 
 rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
                 struct gather_first *first) {
-    struct path_walk walk = {
-        .ray = ray, .T = rgb_grey(1.0f), .rest = rgb_grey(1.0f), .eta = 1.0f, .depth = 1};
+    struct path_walk walk = {.ray = ray,
+                             .T = rgb_grey(1.0f),
+                             .caustic = rgb_grey(1.0f),
+                             .rest = rgb_grey(1.0f),
+                             .eta = 1.0f,
+                             .depth = 1};
     return follow_path(g, walk, sampler, first, NULL);
 }
 
@@ -140,6 +153,7 @@ rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *samp
     const satin_options *o = g->options;
     struct path_walk walk = {.ray = ray,
                              .T = rgb_grey(1.0f),
+                             .caustic = rgb_grey(1.0f),
                              .rest = rgb_grey(1.0f),
                              .eta = 1.0f,
                              .emission = o->hide_emitters <= 0 && o->max_depth != 0,

@@ -209,13 +209,14 @@ void photon_sppm_skip(struct photon_sppm *sppm, uint32_t passes);
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY, the present pass remains.
 satin_status photon_sppm_next(struct photon_sppm *sppm, struct parallel *pool, struct log log,
                               struct stats *stats);
-// The radiance that the point reflects of the photons, which are all light except direct light; a
-// direction from which a glossy lobe reflects too sharply is left out. `depth` is the number of
-// path segments from the eye to the point.
+// The radiance that the point reflects of the photons. A direction from which a glossy lobe
+// reflects too sharply is left out. The point is `depth` path segments and a distance `length` from
+// the eye. *indirect is set to whether it is that of all light except direct light; if the photons
+// of indirect light are sparse there, which does not differ between passes, it is that of caustics.
 rgb photon_sppm_radiance(const struct photon_sppm *sppm, const struct shading_point *point,
-                         int depth);
-// The part of a sample's weight that is left out there: by it a path carries light that is not
-// direct.
+                         int depth, float length, bool *indirect);
+// The part of a sample's weight that is left out there: by it a path carries the light that is
+// otherwise from photons.
 rgb photon_sppm_rest(const struct shading_point *point, const struct brdf_sample *sample);
 
 // The photon clusters, owned by the maps; NULL if there are none. `maps` may be NULL.

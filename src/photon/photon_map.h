@@ -153,6 +153,9 @@ satin_status photon_map_trace(const struct photon_tracing *tracing, struct paral
 void photon_map_free(struct photon_map *map);
 // Sets map->radius2 (photon_radii.c). SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status photon_map_find_radii(struct photon_map *map, int k, struct parallel *pool);
+// Lessens radii that photon_map_find_radii found with k, where light is curved
+// (photon_bandwidth.c). Statuses as of that; then radii may be of either kind.
+satin_status photon_map_narrow_radii(struct photon_map *map, int k, struct parallel *pool);
 size_t photon_map_bytes(const struct photon_map *map);
 
 // How strong photons are divided (photon_divide.c).

@@ -5,8 +5,12 @@
 // on its number alone [Knaus and Zwicker 2011].
 //
 // The initial radius of a point is that of the k photons around it in a map that serves for
-// nothing else: it is narrow where photons are dense [Kaplanyan and Dachsbacher 2013, sec. 5,
-// choose it by the curvature of the light too], and does not depend on the photons of an estimate.
+// nothing else, so that it does not depend on the photons of an estimate; in caustics it is
+// narrower where light is curved (photon_bandwidth.c).
+//
+// Where few indirect photons lie, their discs would be so wide that hardly any number of passes
+// narrows them: they shrink with the sixth root of it. There a path continues instead, and reads
+// caustics and direct light where it hits.
 #include <math.h>
 #include <stdlib.h>
 
@@ -28,6 +32,12 @@ static const double ALPHA = 2.0 / 3.0;
 // density [sr^-1]: few photons come from there, so paths continue. With a third or a tenth of it
 // the error of 16 passes is 1.2 to 2.6 times as large in rooms with glossy walls.
 static const float SHARP_PDF = 3.0f;
+
+// Indirect light is from photons if their initial disc is no wider than this fraction of the path
+// from the eye. With half of it `caustic` has twice the variance, with a fifth `indirect-room` has
+// ten times as much; at the foot of the gold in `ring`, whose discs are three times as wide as the
+// ring, photons alone are 7 % too dark (docs/experiments/caustics.md).
+static const float DISC_WIDEST = 0.1f;
 
 struct photon_sppm {
     const struct satin_scene *scene;
@@ -84,15 +94,18 @@ static void find_open(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // Finds the radii of a map's photons, and which of their discs no edge or wall cuts.
-static satin_status find_discs(const struct satin_scene *scene, struct photon_map *map, int k,
+static satin_status find_discs(const struct photon_sppm *p, int kind, struct photon_map *map,
                                struct parallel *pool) {
+    const satin_options *o = p->options;
+    const int k = photon_clamp_k(kind == MAP_CAUSTIC ? o->caustic_k : o->photon_k);
     if (!map->count) return SATIN_OK;
     map->stride = 1;
     map->whole_disc = array_new_unset(map->count, sizeof *map->whole_disc);
     if (!map->whole_disc) return SATIN_ERROR_MEMORY;
     satin_status status = photon_map_find_radii(map, k, pool);
+    if (status == SATIN_OK && kind == MAP_CAUSTIC) status = photon_map_narrow_radii(map, k, pool);
     if (status != SATIN_OK) return status;
-    struct open_loop loop = {scene, map};
+    struct open_loop loop = {p->scene, map};
     return parallel_for(pool, map->count, OPEN_CHUNK, find_open, &loop) ? SATIN_OK
                                                                         : SATIN_CANCELLED;
 }
@@ -109,12 +122,10 @@ satin_status photon_sppm_new(const struct photon_request *request, struct parall
     parallel_begin_part(pool, "seen");
     guide_allocation_make(p->scene, p->options->seed, p->paths.seen, pool, &p->allocation);
     satin_status status = trace_pass(p, 0, pool, log, stats, p->first);
-    const int k[PROGRESSIVE_MAPS] = {photon_clamp_k(p->options->photon_k),
-                                     photon_clamp_k(p->options->caustic_k)};
     parallel_begin_part(pool, "estimate");
     const double start = stats_wall();
     for (int i = 0; i < PROGRESSIVE_MAPS && status == SATIN_OK; i++)
-        status = find_discs(p->scene, &p->first[i], k[i], pool);
+        status = find_discs(p, i, &p->first[i], pool);
     stats_add(stats, "photons.radii_s", stats_wall() - start);
     if (status == SATIN_OK)
         *out = p;
@@ -158,44 +169,60 @@ satin_status photon_sppm_next(struct photon_sppm *p, struct parallel *pool, stru
     return SATIN_OK;
 }
 
-// The radiance that a point reflects of the photons of a map in the present pass. Its initial
-// squared radius is at least that of the nearest photon of that map, and so large that the disc
-// contains that photon.
-static rgb map_radiance(const struct photon_sppm *sppm, int kind, const struct shading_point *point,
-                        const struct photon_reflection *at) {
+// A disc around a point, and the photon of the map of radii that is nearest to it.
+struct initial_disc {
+    int nearest;  // -1: none, and the radius is INFINITY
+    float r2;
+};
+
+// The disc of a point is at least that of its nearest photon, and contains that photon.
+static struct initial_disc find_initial(const struct photon_map *first, vec3 p) {
+    struct initial_disc disc = {-1, INFINITY};
+    if (!first->count) return disc;
+    const float q[3] = {p.x, p.y, p.z};
+    float distance2;
+    photon_index_nearest(first->index, q, 1, 1, INFINITY, &disc.nearest, &distance2);
+    if (disc.nearest >= 0) disc.r2 = fmaxf(first->radius2[disc.nearest], distance2);
+    return disc;
+}
+
+// The radiance that a point reflects of the photons of a map in the present pass.
+static rgb map_radiance(const struct photon_sppm *sppm, int kind, struct initial_disc initial,
+                        const struct shading_point *point, const struct photon_reflection *at) {
     const struct photon_map *first = &sppm->first[kind], *map = &sppm->map[kind];
-    if (!first->count || !map->count) return rgb_grey(0.0f);
+    if (initial.nearest < 0 || !map->count) return rgb_grey(0.0f);
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     const vec3 p = point->interaction.p;
     const float q[3] = {p.x, p.y, p.z};
-    photon_index_nearest(first->index, q, 1, 1, INFINITY, row, distance2);
-    if (row[0] < 0) return rgb_grey(0.0f);
-    const bool whole = first->whole_disc[row[0]];
-    const float r2 = sppm->shrink2 * fmaxf(first->radius2[row[0]], distance2[0]);
     struct photon_disc disc = {.map = map,
                                .p = p,
                                .n = point->ng,
                                .kernel = KERNEL_PARABOLA,
                                .row = row,
                                .distance2 = distance2,
-                               .r2 = r2};
-    disc.count = photon_index_within(map->index, q, PHOTON_K_MAX, r2, row, distance2);
+                               .r2 = sppm->shrink2 * initial.r2};
+    disc.count = photon_index_within(map->index, q, PHOTON_K_MAX, disc.r2, row, distance2);
     if (disc.count == PHOTON_K_MAX) disc.r2 = photon_radius2(map, row, distance2, disc.count);
     if (disc.count == 0) return rgb_grey(0.0f);
     disc.r = sqrtf(disc.r2);
-    photon_disc_scale(&disc, whole ? NULL : sppm->scene);
+    photon_disc_scale(&disc, first->whole_disc[initial.nearest] ? NULL : sppm->scene);
     return photon_disc_radiance(&disc, at);
 }
 
-rgb photon_sppm_radiance(const struct photon_sppm *p, const struct shading_point *point,
-                         int depth) {
+rgb photon_sppm_radiance(const struct photon_sppm *p, const struct shading_point *point, int depth,
+                         float length, bool *indirect) {
     struct photon_reflection at =
         photon_reflection_make(&point->frame, &point->brdf, point->wo_l, BRDF_REFLECT);
     at.pdf_most = SHARP_PDF;
     if (p->options->max_depth >= 0) at.bounces = p->options->max_depth - depth - 1;
     rgb L = rgb_grey(0.0f);
-    for (int i = 0; i < PROGRESSIVE_MAPS; i++) L = rgb_add(L, map_radiance(p, i, point, &at));
+    for (int i = 0; i < PROGRESSIVE_MAPS; i++) {
+        const struct initial_disc initial = find_initial(&p->first[i], point->interaction.p);
+        const bool narrow = initial.r2 < sqrf(DISC_WIDEST * length);
+        if (i == MAP_INDIRECT) *indirect = narrow;
+        if (i == MAP_CAUSTIC || narrow) L = rgb_add(L, map_radiance(p, i, initial, point, &at));
+    }
     return L;
 }
 

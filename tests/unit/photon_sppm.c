@@ -12,6 +12,9 @@
 
 #define ALBEDO 0.5f
 
+// A distance from the eye beside which all discs are narrow.
+#define FAR 100.0f
+
 enum { PASSES = 16, POINTS = 96 };
 
 // A point of a wall of the box, seen along its normal: inside, or at an edge.
@@ -54,7 +57,9 @@ static struct sppm_result furnace_reflection(int max_depth, bool edge, int passe
         assert_int_equal(photon_sppm_next(sppm, pool, (struct log){0}, &stats), SATIN_OK);
         for (int k = 0; k < POINTS; k++) {
             const struct shading_point point = furnace_point(&t, k, edge);
-            sum[k] += (double)photon_sppm_radiance(sppm, &point, 1).g / passes;
+            bool indirect;
+            sum[k] += (double)photon_sppm_radiance(sppm, &point, 1, FAR, &indirect).g / passes;
+            assert_true(indirect || exact == 0.0);
         }
     }
     struct sppm_result result = {0};
@@ -96,6 +101,32 @@ static void the_furnace_is_reflected(void **state) {
     assert_true(furnace_reflection(2, false, 1, 0.0).mean == 0.0);
 }
 
+// Near the eye, discs are too wide for indirect light, and there are no caustics.
+static void sparse_photons_are_not_read(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_furnace(&t, ALBEDO);
+    satin_options o = satin_options_default;
+    o.integrator = SATIN_SPPM;
+    o.photons = 20000;
+    struct parallel *pool = parallel_new(2);
+    struct stats stats = {0};
+    const struct photon_request request = {
+        .scene = &t.scene, .options = &o, .paths = render_budget_paths(&o, 0.0)};
+    struct photon_sppm *sppm;
+    assert_int_equal(photon_sppm_new(&request, pool, (struct log){0}, &stats, &sppm), SATIN_OK);
+    assert_int_equal(photon_sppm_next(sppm, pool, (struct log){0}, &stats), SATIN_OK);
+    for (int k = 0; k < POINTS; k++) {
+        const struct shading_point point = furnace_point(&t, k, false);
+        bool indirect;
+        assert_true(rgb_black(photon_sppm_radiance(sppm, &point, 1, 0.1f, &indirect)));
+        assert_false(indirect);
+    }
+    photon_sppm_free(sppm);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 // The variance of the mean of n passes falls as n^(-2/3): by 4 from 2 to 16 passes.
 static void noise_falls_with_the_passes(void **state) {
     (void)state;
@@ -107,6 +138,7 @@ static void noise_falls_with_the_passes(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_furnace_is_reflected),
+        cmocka_unit_test(sparse_photons_are_not_read),
         cmocka_unit_test(noise_falls_with_the_passes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
