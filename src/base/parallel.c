@@ -229,6 +229,10 @@ const char *parallel_begin_part(struct parallel *pool, const char *name) {
     return before;
 }
 
+const char *parallel_work_name(const struct parallel *pool) {
+    return pool->part[pool->current].name;
+}
+
 const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
     account_serial(pool);
     *count = pool->part_count;

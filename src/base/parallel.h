@@ -152,6 +152,8 @@ enum { PARALLEL_MODEL = 64, PARALLEL_PARTS_MAX = 64 };
 // thread that calls parallel_for, outside of loops. A pool begins with the part "other"; work of
 // names beyond PARALLEL_PARTS_MAX is accounted for there too.
 const char *parallel_begin_part(struct parallel *pool, const char *name);
+// The name of the current part.
+const char *parallel_work_name(const struct parallel *pool);
 // The parts so far, in the order in which they first began, owned by the pool. Sets *count.
 const struct parallel_part *parallel_parts(struct parallel *pool, int *count);
 

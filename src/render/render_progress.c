@@ -4,6 +4,7 @@
 #include "render/render_state.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double REPORT_EVERY = 0.1;  // seconds
 
@@ -124,12 +125,53 @@ bool render_progress_report(struct render *r, double done) {
     return !render_cancelled(r);
 }
 
+// Parts of the work for a photon map in their order, and the fraction of it after which they begin:
+// the median of the data scenes and the rooms by others at preview.
+static const struct {
+    const char *name;
+    double begin;
+} map_order[] = {{"visibility", 0.0}, {"emission", 0.06}, {"trace", 0.08},    {"sort", 0.4},
+                 {"index", 0.42},     {"clusters", 0.46}, {"estimate", 0.49}, {"smooth", 0.87},
+                 {"direct", 0.98},    {"", 1.0}};
+
+static const double MAP_ESTIMATED = 0.49;  // from here on, an earlier part is that of another map
+
+// The fraction of the photons that is done, when `done` of a loop is. A part has several loops. How
+// many maps there will be is not known: each takes half of what is left.
+static double photons_done(struct render_progress *at, const char *part, double done) {
+    for (size_t i = 0; i + 1 < sizeof map_order / sizeof *map_order; i++) {
+        if (strcmp(map_order[i].name, part) != 0) continue;
+        const double begin = map_order[i].begin, end = map_order[i + 1].begin;
+        if (begin < at->map_at && at->map_at >= MAP_ESTIMATED) {
+            at->maps_done += 0.5 * (1.0 - at->maps_done);
+            at->map_at = begin;
+        }
+        at->map_at = fmax(at->map_at, begin);
+        return at->maps_done + 0.5 * (1.0 - at->maps_done) * (begin + done * (end - begin));
+    }
+    return 0.0;
+}
+
+// The fraction of the current range that is done, when `done` of a loop is. A pass with photons of
+// its own takes as long as the passes before it.
+static double range_done(struct render *r, double done) {
+    struct render_progress *at = &r->progress;
+    if (render_steps(r)->passes && at->stage == STAGE_IMAGE) {
+        const double own = at->loop_done - at->skipped;
+        const double before = own > 0.0 ? (at->range_start - at->stage_start) / own : INFINITY;
+        done = fmin((stats_wall() - at->range_start) / (before * at->loop_span), 1.0);
+    } else if (at->stage == STAGE_PHOTONS) {
+        done = photons_done(at, parallel_work_name(r->pool), done);
+    }
+    return at->range_done = fmax(at->range_done, done);
+}
+
 // For the pool: whether the current loop must stop. A coarse image after a cancellation is
 // completed.
 static bool loop_must_end(void *user, double done) {
     struct render *r = user;
     const struct render_progress *at = &r->progress;
-    render_progress_report(r, at->loop_done + done * at->loop_span);
+    render_progress_report(r, at->loop_done + range_done(r, done) * at->loop_span);
     const bool unwanted = render_cancelled(r) && !render_steps(r)->coarse;
     const bool late = stats_wall() - at->start > at->deadline;
     return unwanted || late || render_checkpoint_due(r);
@@ -155,6 +197,9 @@ void render_stage_begin(struct render *r, enum render_stage stage, double items)
 void render_stage_skip(struct render *r, double done) { r->progress.skipped = done; }
 
 void render_stage_range(struct render *r, double done, double span) {
-    r->progress.loop_done = done;
-    r->progress.loop_span = span;
+    struct render_progress *at = &r->progress;
+    at->loop_done = done;
+    at->loop_span = span;
+    at->range_start = stats_wall();
+    at->range_done = at->maps_done = at->map_at = 0.0;
 }

@@ -60,7 +60,10 @@ struct render_progress {
     double stage_start;  // wall clock at the beginning of the stage
     double items;        // units of work of the stage; 0: not counted
     double skipped;      // fraction of the stage that an earlier process has done
-    double loop_done, loop_span;  // the current loop is [done, done + span] of the stage
+    double loop_done, loop_span;  // the current loops are [done, done + span] of the stage
+    double range_start;           // wall clock at the beginning of that range
+    double range_done;            // fraction of it that was reported
+    double maps_done, map_at;     // of photons: before the current map, and before its current part
     double last_report;           // wall clock at the last report to the caller
     double write_pixel_seconds;   // of one core for writing a pixel of the film; 0: no time limit
 };
