@@ -91,6 +91,8 @@ static bool take_axis(struct study_reader *r, const struct toml_node *node, stru
     struct study_axis *axis = &out->axis[out->count++];
     const bool together = node->child[0].kind == TOML_TABLE;
     *axis = (struct study_axis){.count = node->count};
+    if (together && study_columns_have(node->key))
+        return toml_wrong(&r->toml, node, "study.csv has another column of this name");
     axis->value = study_array(r, node->count, sizeof *axis->value);
     if (!axis->value) return false;
     for (size_t i = 0; i < node->count; i++) {

@@ -91,6 +91,15 @@ enum { STUDY_RENDERS_MAX = 100000 };
 satin_status study_file_read(struct log log, const char *path, struct study *out);
 void study_file_free(struct study *study);
 
+// ---- Columns of study.csv (study_columns.c) -----------------------------------------------------
+
+// Names, ended by NULL: before those of what varies; after them; and the last ones, between which
+// and the former are the seconds of stages.
+extern const char *const study_columns_before[], *const study_columns_after[],
+    *const study_columns_last[];
+// Whether every study.csv has a column of that name, so that nothing else may have it.
+bool study_columns_have(const char *name);
+
 // ---- Reading (study_axes.c reads what varies) ---------------------------------------------------
 
 struct study_reader {

@@ -65,7 +65,7 @@
         relmse: average("relmse"), spread: spread("relmse"),
         firstRelmse: average("first_pass_relmse"), firstSpread: spread("first_pass_relmse"),
         seconds: average("seconds"), cpu: average("cpu_seconds"), memory: average("memory_bytes"),
-        samples: average("samples"), photons: average("photons"), records: average("records"),
+        samples: average("samples"), photons: average("photon_paths"), records: average("records"),
         lookupError: average("lookup_error"),
         stages: results.stages.map((_, i) => (good.length ? mean(good.map((x) => x.stages[i])) : 0)),
       };
@@ -415,7 +415,7 @@
     ["first pass", (r) => r.firstRelmse],
     ["lookup, %", (r) => (known(r.lookupError) ? 100 * r.lookupError : null)], ["s", (r) => r.seconds], ["CPU s", (r) => r.cpu],
     ["MB", (r) => (known(r.memory) ? r.memory / 1048576 : null)], ["samples", (r) => r.samples],
-    ["photons", (r) => r.photons], ["records", (r) => r.records],
+    ["photon paths", (r) => r.photons], ["records", (r) => r.records],
   ];
   let sorted = { column: -1, down: false };
 

@@ -17,19 +17,20 @@ static double if_positive(double value) { return value > 0.0 ? value : (double)N
 
 // ---- CSV ----------------------------------------------------------------------------------------
 
+static void csv_names(const char *const *name, struct study_text *out) {
+    for (; *name; name++) study_text_add(out, "%s%s", out->size ? "," : "", *name);
+}
+
 static void csv_header(const struct study *s, struct study_text *out) {
-    study_text_add(out, "scene,point");
+    csv_names(study_columns_before, out);
     for (size_t c = 0; c < s->columns; c++) {
         study_text_add(out, ",");
         study_text_csv(out, s->column[c].name);
     }
-    study_text_add(out,
-                   ",seed,relmse,mean_ratio,bias2,bias2_error,variance,first_pass_relmse,"
-                   "first_pass_mean_ratio,first_pass_bias2,first_pass_variance,reference_noise,"
-                   "lookup_error,status,signal,samples,photons,records,threads,replaced,command,"
-                   "seconds_s,cpu_s");
+    csv_names(study_columns_after, out);
     for (int i = 0; i < STUDY_STAGES; i++) study_text_add(out, ",%s_s", study_stage_name[i]);
-    study_text_add(out, ",memory_mb\n");
+    csv_names(study_columns_last, out);
+    study_text_add(out, "\n");
 }
 
 static void csv_numbers(struct study_text *out, const double *value, size_t count) {
@@ -135,9 +136,9 @@ static void json_run(const struct study_report *report, size_t scene, size_t poi
     json_member(out, "cpu_seconds", if_positive(result->cpu_s));
     json_member(out, "memory_bytes", if_positive(result->peak_bytes));
     json_member(out, "samples", if_positive(result->spp));
-    json_member(out, "photons", if_positive(result->photons));
+    json_member(out, "photon_paths", if_positive(result->photons));
     json_member(out, "records", if_positive(result->records));
-    json_member(out, "threads", if_positive(result->threads));
+    json_member(out, "threads_used", if_positive(result->threads));
     json_member(out, "replaced", result->done ? result->replaced : NAN);
     study_text_add(out, "\"stages\": [");
     for (int i = 0; i < STUDY_STAGES; i++) {

@@ -89,6 +89,18 @@ static void equal_time_is_an_axis(void **state) {
     study_file_free(&s);
 }
 
+static void no_option_is_called_as_a_statistic(void **state) {
+    (void)state;
+    satin_option_info info;
+    int count = 0;
+    for (; satin_options_describe(&satin_options_default, count, &info); count++)
+        // Seeds do not vary, so no other column has this name.
+        if (strcmp(info.name, "seed") != 0 && study_columns_have(info.name))
+            fail_msg("the option %s has the name of a column", info.name);
+    assert_true(count > 50);
+    assert_true(study_columns_have("seed") && study_columns_have("memory_mb"));
+}
+
 static void errors_name_line_and_key(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
@@ -98,6 +110,10 @@ static void errors_name_line_and_key(void **state) {
         {TEST_HEAD "[vary]\nphotons = [1, \"x\"]\n", "s.toml:4:15: photons: option photons: "},
         {TEST_HEAD "[vary]\nphotons = 5\n", "s.toml:4:1: photons: it must be a list of values"},
         {TEST_HEAD "[vary]\nphotons = []\n", "s.toml:4:1: photons: it has no values"},
+        {TEST_HEAD "[vary]\nspp = [1]\nrelmse = [{spp = 2}]\n",
+         "s.toml:5:1: relmse: study.csv has another column of this name"},
+        {TEST_HEAD "[vary]\nload_s = [{spp = 2}]\n", "s.toml:4:1: load_s: study.csv has another"},
+        {TEST_HEAD "[[vary]]\nThreads-Used = [{spp = 2}]\n", "s.toml:4:1: Threads-Used: study.csv"},
         {TEST_HEAD "[vary]\nwidth = [5]\n", "s.toml:4:10: width: it cannot vary"},
         {TEST_HEAD "[set]\nseed = 5\n", "s.toml:4:1: seed: the key 'seeds'"},
         {TEST_HEAD "sceens = 5\n", "s.toml:3:1: sceens: unknown key (did you mean 'scenes'?)"},
@@ -130,6 +146,7 @@ int main(void) {
         cmocka_unit_test(points_are_the_product),
         cmocka_unit_test(lists_and_options_together),
         cmocka_unit_test(equal_time_is_an_axis),
+        cmocka_unit_test(no_option_is_called_as_a_statistic),
         cmocka_unit_test(errors_name_line_and_key),
     };
     return cmocka_run_group_tests_name("study_file", tests, folder_case_setup,
