@@ -96,7 +96,7 @@ void study_file_free(struct study *study);
 // Names, ended by NULL: before those of what varies; after them; and the last ones, between which
 // and the former are the seconds of stages.
 extern const char *const study_columns_before[], *const study_columns_after[],
-    *const study_columns_last[];
+                                                     *const study_columns_last[];
 // Whether every study.csv has a column of that name, so that nothing else may have it.
 bool study_columns_have(const char *name);
 
