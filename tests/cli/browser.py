@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Headless Chromium for tests, driven by its DevTools protocol over a pipe: messages in JSON on file
+"""Headless Chromium for tests, driven by its DevTools protocol over a pipe: JSON messages on file
 descriptors 3 and 4, each ended by a zero byte. Needs nothing but the browser.
 """
 import base64
