@@ -84,15 +84,21 @@ static const struct plugin_spec scene_spec = {.tag = XML_SCENE,
                                                           1u << XML_TEXTURE | 1u << XML_EMITTER |
                                                           1u << XML_SENSOR | 1u << XML_INTEGRATOR};
 
+// The index that a text is, in decimal digits without a sign or leading zeros; -1 if it is none.
+static int sensor_index(const char *text) {
+    const size_t digits = strspn(text, "0123456789");
+    if (digits == 0 || digits > 9 || text[digits] || (digits > 1 && text[0] == '0')) return -1;
+    return (int)strtol(text, NULL, 10);
+}
+
 // The sensor of the scene that is used, or NULL: the first one, or the one of the wanted id, else
 // of the wanted index. If the wanted one is missing, logs an error and returns false.
 static bool find_sensor(struct load_state *loader, const struct xml_node **out) {
     const char *wanted = loader->sensor;
     struct text_nearest search = {.word = wanted};
-    double index = -1.0;
+    const int index = wanted ? sensor_index(wanted) : 0;
     int count = 0;
     *out = NULL;
-    if (wanted && !text_double(wanted, &index)) index = -1.0;
     for (const struct xml_node *node = loader->xml.root->child; node; node = node->next) {
         if (node->tag != XML_SENSOR) continue;
         if (wanted && node->id && strcmp(node->id, wanted) == 0) {
@@ -101,7 +107,7 @@ static bool find_sensor(struct load_state *loader, const struct xml_node **out) 
             return true;
         }
         if (wanted && node->id) text_nearest_try(&search, node->id);
-        if (wanted ? (double)count == index : count == 0) {
+        if (count == index) {
             *out = node;
             loader->scene->sensor_index = count;
         }
