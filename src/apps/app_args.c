@@ -50,29 +50,71 @@ static bool matches(const struct app_flag *flag, char *argument, char **attached
     return flag->value || !argument[2];
 }
 
-// If --name is an option of --set, reports how to set it. `next` is the argument after it, or NULL.
-static bool is_option(const char *name, const char *argument, const char *next) {
-    satin_option_info info;
+// The value that is given to an unknown argument, for a message. `next` is the argument after it,
+// or NULL.
+static const char *given_value(const char *argument, const char *next) {
     const char *value = strchr(argument, '=');
-    if (value)
-        value++;
-    else
-        value = next && next[0] != '-' ? next : "VALUE";
-    for (int i = 0; satin_options_describe(&satin_options_default, i, &info); i++) {
-        if (strncmp(name, "--", 2) != 0 || !text_same_name(name + 2, info.name)) continue;
-        app_wrong("unknown argument '%s': it is an option, set by --set %s=%s", name, info.name,
+    if (value) return value + 1;
+    return next && next[0] != '-' ? next : "VALUE";
+}
+
+// The option whose name is nearest to `word`; .best is NULL if none is near. Its name is kept in
+// `info`.
+static struct text_nearest nearest_option(const char *word, satin_option_info *info) {
+    struct text_nearest search = {.word = word};
+    for (int i = 0; satin_options_describe(&satin_options_default, i, info); i++)
+        text_nearest_try(&search, info->name);
+    return search;
+}
+
+// Reports how an argument of `satin render` is meant that is an option or nearly the name of one:
+// such as --photons, which is set by --set. `nearest` is the nearest flag. False if it is none.
+static bool is_render_option(const char *name, const char *value,
+                             const struct text_nearest *nearest) {
+    satin_option_info info;
+    const struct text_nearest option = nearest_option(name + 2, &info);
+    if (!option.best || (nearest->best && nearest->edits <= option.edits)) return false;
+    if (option.edits == 0)
+        app_wrong("unknown argument '%s': it is an option, set by --set %s=%s", name, option.best,
                   value);
-        return true;
-    }
-    return false;
+    else
+        app_wrong("unknown argument '%s' (did you mean '--set %s=%s'?)", name, option.best, value);
+    return true;
+}
+
+// The same for `satin study`, where the file has all options.
+static bool is_study_option(const char *name, const struct text_nearest *nearest) {
+    satin_option_info info;
+    const struct text_nearest option = nearest_option(name + 2, &info);
+    const bool set = strcmp(name, "--set") == 0;
+    if (!set && (!option.best || (nearest->best && nearest->edits <= option.edits))) return false;
+    if (!set && strcmp(option.best, "seed") == 0)
+        app_wrong("unknown argument '%s': the key 'seeds' in the file of the study chooses seeds",
+                  name);
+    else if (set || option.edits == 0)
+        app_wrong(
+            "unknown argument '%s': options of renders stand in [set] or [vary] in the file "
+            "of the study",
+            name);
+    else
+        app_wrong(
+            "unknown argument '%s' (did you mean '%s', in [set] or [vary] in the file of the "
+            "study?)",
+            name, option.best);
+    return true;
 }
 
 static int unknown_flag(const struct app_flag *flags, const char *argument, const char *next) {
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)strcspn(argument, "="), argument);
-    if (flags == app_render_flags && is_option(name, argument, next)) return APP_BAD;
     struct text_nearest search = {.word = name};
     for (const struct app_flag *f = flags; f->name; f++) text_nearest_try(&search, f->name);
+    if (strncmp(name, "--", 2) == 0) {
+        if (flags == app_render_flags &&
+            is_render_option(name, given_value(argument, next), &search))
+            return APP_BAD;
+        if (flags == app_study_flags && is_study_option(name, &search)) return APP_BAD;
+    }
     if (search.best)
         app_wrong("unknown argument '%s' (did you mean '%s'?)", name, search.best);
     else

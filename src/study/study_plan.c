@@ -49,18 +49,23 @@ static bool has_prefix_of(const char *name, const char *const *list) {
     return false;
 }
 
+// Appends a setting, which replaces one of the same option.
+static void combine_one(struct combined *out, const char *name, const char *value) {
+    size_t kept = 0;
+    for (size_t i = 0; i < out->count; i++)
+        if (!text_same_name(out->setting[i].name, name)) out->setting[kept++] = out->setting[i];
+    out->count = kept;
+    if (out->count < SETTINGS_MAX) out->setting[out->count++] = (satin_setting){name, value};
+}
+
 static void combine(struct combined *out, const struct study_settings *set,
                     const char *const *without, const char *const *prefix) {
-    for (size_t i = 0; i < set->count && out->count < SETTINGS_MAX; i++) {
+    for (size_t i = 0; i < set->count; i++) {
         const char *name = set->setting[i].name;
         if (without && text_is_one_of(name, without)) continue;
         if (prefix && has_prefix_of(name, prefix)) continue;
-        out->setting[out->count++] = set->setting[i];
+        combine_one(out, name, set->setting[i].value);
     }
-}
-
-static void combine_one(struct combined *out, const char *name, const char *value) {
-    if (out->count < SETTINGS_MAX) out->setting[out->count++] = (satin_setting){name, value};
 }
 
 static void log_at_point(void *user, satin_log_severity severity, const char *message) {
