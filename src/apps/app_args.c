@@ -82,7 +82,8 @@ static bool is_render_option(const char *name, const char *value,
     return true;
 }
 
-// The same for `satin study`, where the file has all options.
+// Reports where an argument of `satin study` belongs that is an option of renders or nearly the
+// name of one: in the file. False if it is none.
 static bool is_study_option(const char *name, const struct text_nearest *nearest) {
     satin_option_info info;
     const struct text_nearest option = nearest_option(name + 2, &info);
