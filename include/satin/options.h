@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How an image is rendered, as a plain struct: copy satin_options_default, or let
 // satin_options_preset fill one, and change fields. A single table (src/render/options_table.c)
-// parses, prints and documents every field with its range, which satin_options_set checks. Every
-// call here is thread-safe: it accesses only what its pointers refer to. A struct that one thread
-// writes must not be used by another at the same time.
+// parses, prints and documents every field with its range, which satin_options_set and satin_render
+// check: a zeroed struct to which no preset was applied is refused. Every call here is thread-safe:
+// it accesses only what its pointers refer to. A struct that one thread writes must not be used by
+// another at the same time.
 #ifndef SATIN_OPTIONS_H
 #define SATIN_OPTIONS_H
 

@@ -106,10 +106,10 @@ typedef struct satin_callbacks {
 // or the image could not be denoised, *film is the whole image, in the latter case noisy, and the
 // status is that of this failure.
 //
-// SATIN_ERROR_INPUT: options->denoise is set and the denoiser is not installed, which is detected
-// before anything is rendered, or a file of records does not fit; SATIN_ERROR_ARGUMENT: a pointer
-// other than `callbacks` is NULL; SATIN_ERROR_IO; SATIN_ERROR_MEMORY; SATIN_ERROR_INTERNAL: a
-// library failed.
+// SATIN_ERROR_INPUT: an option is not in its range, as in a zeroed struct; options->denoise is set
+// and the denoiser is not installed; both are detected before anything is rendered; or a file of
+// records does not fit; SATIN_ERROR_ARGUMENT: a pointer other than `callbacks` is NULL;
+// SATIN_ERROR_IO; SATIN_ERROR_MEMORY; SATIN_ERROR_INTERNAL: a library failed.
 //
 // Radiance is in W m^-2 sr^-1, lengths are in the scene's unit, options->time is in seconds. All
 // memory of a render but the film is freed when it ends, whatever its status, so that a program may

@@ -167,6 +167,37 @@ void options_print_words(FILE *out, const satin_options *options,
     }
 }
 
+// Whether a field has a value that satin_options_set takes. Its text, which is parsed, is not that
+// of an enum below 0, nor that of a text without an end.
+static bool is_in_range(const struct option *option, const satin_options *options, char *value,
+                        size_t size) {
+    satin_options parsed = {0};
+    const char *in = (const char *)options + option->offset;
+    if (option->kind == OPTION_TEXT && !memchr(in, 0, OPTION_TEXT_SIZE)) {
+        snprintf(value, size, "%.*s", OPTION_TEXT_SIZE, in);
+        return false;
+    }
+    option_print(option, options, value, size);
+    if (!option_parse(option, value, &parsed)) return false;
+    return option->kind != OPTION_CHOICE ||
+           memcmp(in, (const char *)&parsed + option->offset, sizeof(int)) == 0;
+}
+
+satin_status options_check(const satin_options *options, struct log log) {
+    char value[OPTION_TEXT_SIZE];
+    if (options->photon_k == 0)
+        return log_fail(log, SATIN_ERROR_INPUT,
+                        "photon_k is 0, as in options that were not initialized: copy "
+                        "satin_options_default, or call satin_options_preset");
+    for (int i = 0; i < options_table_count; i++) {
+        const struct option *option = &options_table[i];
+        if (!is_in_range(option, options, value, sizeof value))
+            return log_fail(log, SATIN_ERROR_INPUT, "option %s: '%.80s' is not in %s", option->name,
+                            value, option->range);
+    }
+    return SATIN_OK;
+}
+
 bool satin_options_describe(const satin_options *options, int index, satin_option_info *out) {
     if (index < 0 || index >= options_table_count) return false;
     const struct option *option = &options_table[index];

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/log.h"
 #include "satin/options.h"
 
 enum option_kind {
@@ -53,5 +54,7 @@ void option_print(const struct option *option, const satin_options *options, cha
 // Prints the options as `name=value` words with a space between, in the notation of --set: all, or
 // if `chosen` is not NULL those for which it is true.
 void options_print_words(FILE *out, const satin_options *options, bool (*chosen)(const char *name));
+// Checks that every field is in its range. SATIN_ERROR_INPUT, with one logged line, if one is not.
+satin_status options_check(const satin_options *options, struct log log);
 
 #endif

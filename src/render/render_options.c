@@ -91,7 +91,8 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     satin_options *o = &r->options;
     r->scene = *scene;
     *o = *options;
-    satin_status status = set_film(&r->scene, o, r->log);
+    satin_status status = options_check(options, r->log);
+    if (status == SATIN_OK) status = set_film(&r->scene, o, r->log);
     if (status != SATIN_OK) return status;
     o->width = r->scene.film.crop_width;
     o->height = r->scene.film.crop_height;

@@ -2,6 +2,7 @@
 // Options: presets, setting by name, messages, the order of the layers.
 #include "satin/options.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -80,6 +81,48 @@ static void presets_are_in_range(void **state) {
             assert_true(option_parse(&options_table[i], info.value, &back));
         assert_true(same_fields(&o, &back));
     }
+}
+
+static void structs_are_checked(void **state) {
+    (void)state;
+    struct message message = {0};
+    const struct log log = {keep, &message};
+    satin_options o = {.spp = 16, .max_depth = 5};
+    assert_int_equal(options_check(&o, log), SATIN_ERROR_INPUT);
+    assert_int_equal(message.count, 1);
+    assert_non_null(strstr(message.text, "satin_options_preset"));
+    for (int q = SATIN_DRAFT; q <= SATIN_PRODUCTION; q++) {
+        satin_options_preset(&o, (satin_quality)q);
+        assert_int_equal(options_check(&o, log), SATIN_OK);
+    }
+    assert_int_equal(o.max_depth, 5);
+    satin_options bad[9];
+    for (int i = 0; i < 9; i++) bad[i] = satin_options_default;
+    bad[0].spp = -1;
+    bad[1].light_samples = 0;
+    bad[2].irradiance_a = NAN;
+    bad[3].time = INFINITY;
+    bad[4].memory = -1;
+    bad[5].photons = INT64_MAX;
+    bad[6].integrator = (satin_integrator)(SATIN_SPPM + 1);
+    bad[7].radiance_radius = SATIN_RADIUS_HESSIAN;
+    memset(bad[8].layers, 'a', sizeof bad[8].layers);
+    for (int i = 0; i < 9; i++) {
+        message.count = 0;
+        assert_int_equal(options_check(&bad[i], log), SATIN_ERROR_INPUT);
+        assert_int_equal(message.count, 1);
+    }
+    assert_non_null(strstr(message.text, "option layers: 'aaa"));
+    const int below = -1;
+    o = satin_options_default;
+    memcpy(&o.quality, &below, sizeof below);
+    assert_int_equal(options_check(&o, log), SATIN_ERROR_INPUT);
+    // The ends of ranges, also of those that a float does not have exactly.
+    o = satin_options_default;
+    o.radiance_error = 0.0001f;
+    o.irradiance_a = 0.01f;
+    o.spp = 1 << 20;
+    assert_int_equal(options_check(&o, log), SATIN_OK);
 }
 
 static void values_are_checked(void **state) {
@@ -252,6 +295,7 @@ int main(void) {
         cmocka_unit_test(presets_set_what_they_decide),
         cmocka_unit_test(presets_fill_zeroed_structs),
         cmocka_unit_test(presets_are_in_range),
+        cmocka_unit_test(structs_are_checked),
         cmocka_unit_test(values_are_checked),
         cmocka_unit_test(bytes_have_units),
         cmocka_unit_test(messages_suggest_a_correction),

@@ -138,6 +138,26 @@ static void a_cancelled_image_is_what_was_sampled(void **state) {
     satin_film_free(film);
 }
 
+// A struct that was only zeroed is no render of darkness.
+static void zeroed_options_are_refused(void **state) {
+    (void)state;
+    struct watch watch = {0};
+    const satin_callbacks callbacks = {.log = note_message, .log_user = &watch};
+    satin_options options = {.width = 8, .height = 8};
+    satin_film *film = NULL;
+    assert_int_equal(satin_render(test_render_scene, &options, &callbacks, &film),
+                     SATIN_ERROR_INPUT);
+    assert_null(film);
+    assert_non_null(strstr(watch.message, "satin_options_preset"));
+    satin_options_preset(&options, SATIN_DRAFT);
+    options.integrator = SATIN_DIRECT;
+    assert_int_equal(satin_render(test_render_scene, &options, &callbacks, &film), SATIN_OK);
+    double sum = 0.0;
+    for (int i = 0; i < 64; i++) sum += (double)satin_film_channel(film, "G")[i];
+    assert_true(sum > 0.0);
+    satin_film_free(film);
+}
+
 static void count_snapshot(void *user, const satin_film *film) {
     int *count = user, width, height;
     satin_film_size(film, &width, &height);
@@ -232,6 +252,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stages_come_in_their_order),
         cmocka_unit_test(a_cancelled_render_has_an_image),
+        cmocka_unit_test(zeroed_options_are_refused),
         cmocka_unit_test(a_cancelled_image_is_what_was_sampled),
         cmocka_unit_test(snapshots_do_not_change_the_image),
         cmocka_unit_test(paths_replace_photons_without_time),
