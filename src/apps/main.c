@@ -8,7 +8,9 @@
 
 const struct app_command app_commands[] = {
     {"render", "SCENE.xml -o OUT.exr", "Renders a Mitsuba 3 scene.", app_render_flags, app_render},
-    {"compare", "IMAGE.exr... REFERENCE.exr", "Measures how far images are from a reference.",
+    {"compare", "IMAGE.exr... REFERENCE.exr",
+     "Measures how far images are from a reference. The noise of one by `satin average` is "
+     "subtracted.",
      app_compare_flags, app_compare},
     {"average", "A.exr B.exr ... -o OUT.exr",
      "Averages independent renders, with the variance of the mean.", app_average_flags,
