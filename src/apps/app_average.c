@@ -17,7 +17,7 @@ const struct app_flag app_average_flags[] = {
     {NULL, NULL, NULL, NULL},
 };
 
-static const char SAMPLES[] = "samples.Y";
+static const char SAMPLES[] = "samples.Y", OPTIONS[] = "satin:options";
 static const char *const variance_channels[3] = {"variance.R", "variance.G", "variance.B"};
 
 // Sums over the images that were read so far.
@@ -63,6 +63,8 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
     a->out->y = first->y;
     a->out->full_width = first->full_width;
     a->out->full_height = first->full_height;
+    a->out->camera = first->camera;
+    memcpy(a->out->chromaticities, first->chromaticities, sizeof first->chromaticities);
     bool ok = true;
     for (int i = 0; i < first->attribute_count && ok; i++)
         // The variance of the mean is no bound, whatever that of the images is.
@@ -70,6 +72,25 @@ static satin_status begin_average(struct averaging *a, const struct satin_film *
             strncmp(first->attribute[i].name, "cryptomatte/", 12) != 0)
             ok = film_attribute_set(a->out, first->attribute[i].name, first->attribute[i].value);
     return ok ? SATIN_OK : SATIN_ERROR_MEMORY;
+}
+
+static bool same_camera(const struct film_camera *a, const struct film_camera *b) {
+    return a->known && b->known && memcmp(a->to_camera, b->to_camera, sizeof a->to_camera) == 0 &&
+           memcmp(a->to_ndc, b->to_ndc, sizeof a->to_ndc) == 0;
+}
+
+// Leaves in the mean's header what this image's says too. Options are compared one by one, because
+// seeds differ.
+static void keep_common(struct satin_film *mean, const struct satin_film *image) {
+    if (!same_camera(&mean->camera, &image->camera)) mean->camera.known = false;
+    for (int i = mean->attribute_count - 1; i >= 0; i--) {
+        struct film_attribute *own = &mean->attribute[i];
+        const char *value = film_attribute_get(image, own->name);
+        if (value && strcmp(own->name, OPTIONS) == 0)
+            app_average_common_options(own->value, value);
+        else if (!value || strcmp(own->value, value) != 0)
+            film_attribute_remove(mean, own->name);
+    }
 }
 
 static char *copy_attribute(const struct satin_film *image, const char *name, bool *ok) {
@@ -82,9 +103,12 @@ static char *copy_attribute(const struct satin_film *image, const char *name, bo
 // Warns of an image that does not belong to those before it.
 static satin_status check_image(struct averaging *a, int i, const struct satin_film *image) {
     bool ok = true;
+    if (memcmp(a->out->chromaticities, image->chromaticities, sizeof image->chromaticities) != 0)
+        fprintf(stderr, "satin: warning: %s and %s have different chromaticities\n", a->path[i],
+                a->path[0]);
     a->image[i] =
         (struct averaged_image){a->path[i], copy_attribute(image, "satin:scene_hash", &ok),
-                                copy_attribute(image, "satin:options", &ok)};
+                                copy_attribute(image, OPTIONS, &ok)};
     if (ok) app_average_check(a->image, i + 1);
     return ok ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
@@ -100,7 +124,8 @@ static satin_status add_image(struct averaging *a, const char *path,
     const struct log log = {app_log_file, NULL};
     const size_t pixels = mean_pixels(a->out);
     if (image->width != a->out->width || image->height != a->out->height || image->x != a->out->x ||
-        image->y != a->out->y)
+        image->y != a->out->y || image->full_width != a->out->full_width ||
+        image->full_height != a->out->full_height)
         return log_fail(log, SATIN_ERROR_INPUT, "%s: it has other pixels than %s", path,
                         a->path[0]);
     for (int i = 0; i < a->out->channel_count; i++) {
@@ -146,6 +171,7 @@ static satin_status write_mean(struct averaging *a, const char *output) {
         if (status == SATIN_OK && i == 0) status = begin_average(a, image);
         if (status == SATIN_OK) status = check_image(a, i, image);
         if (status == SATIN_OK) status = add_image(a, a->path[i], image);
+        if (status == SATIN_OK) keep_common(a->out, image);
         satin_film_free(image);
     }
     if (status != SATIN_OK) return status;

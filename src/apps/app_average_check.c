@@ -77,7 +77,11 @@ void app_average_check(const struct averaged_image *image, int count) {
     bool warned = false;
     for (int i = 0; i < count - 1 && !warned; i++) {
         const char *options = image[i].options;
-        warned = options && is_same(options, last->options, "seed");
+        size_t length;
+        // A mean has no seed.
+        warned = options && option_value(options, "seed", &length) &&
+                 option_value(last->options, "seed", &length) &&
+                 is_same(options, last->options, "seed");
         if (!warned) continue;
         const bool equal = strcmp(options, last->options) == 0;
         fprintf(stderr, "satin: warning: %s and %s have the same %sseed%s\n", last->path,
@@ -85,4 +89,23 @@ void app_average_check(const struct averaged_image *image, int count) {
                 equal ? "" : ", so their noise is not independent");
     }
     if (image[0].options) warn_of_option(&image[0], last);
+}
+
+void app_average_common_options(char *options, const char *other) {
+    char *end = options;
+    for (const char *at = options; *at; at += strspn(at, " ")) {
+        const size_t word = strcspn(at, " "), name = strcspn(at, "= ");
+        size_t length;
+        char key[64];
+        snprintf(key, sizeof key, "%.*s", (int)name, at);
+        const char *value = option_value(other, key, &length);
+        const bool same =
+            value && name + 1 + length == word && memcmp(value, at + name + 1, length) == 0;
+        const char *next = at + word;
+        if (same && end != options) *end++ = ' ';
+        if (same) memmove(end, at, word);
+        if (same) end += word;
+        at = next;
+    }
+    *end = '\0';
 }

@@ -13,4 +13,7 @@ struct averaged_image {
 // another scene, with the seed of one of them, or with other options than the first one.
 void app_average_check(const struct averaged_image *image, int count);
 
+// Leaves of a text of options, words `name=value`, those that the other text has too.
+void app_average_common_options(char *options, const char *other);
+
 #endif

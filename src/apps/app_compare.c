@@ -246,6 +246,7 @@ static satin_status write_error_exr(const char *path, const struct app_compared 
                                       ? c->image->channel[k][i] - c->reference->channel[k][i]
                                       : c->error[i];
     film->keep_nonfinite = true;
+    satin_film_window(c->image, &film->x, &film->y, &film->full_width, &film->full_height);
     memcpy(film->channel[3], c->error, count * sizeof *c->error);
     if (c->flip) memcpy(film->channel[4], c->flip, count * sizeof *c->flip);
     // Warnings of what the images hold were printed when these were read.

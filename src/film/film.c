@@ -11,6 +11,10 @@
 
 enum { FILM_PIXELS_MAX = 0x7fffffff };
 
+// The primaries and the white of sRGB (ITU-R BT.709), also those of a file that names none.
+static const float srgb_chromaticities[8] = {0.64f, 0.33f, 0.30f,   0.60f,
+                                             0.15f, 0.06f, 0.3127f, 0.3290f};
+
 struct satin_film *film_new(int width, int height, const char *const *channel_names,
                             int channel_count) {
     if (width < 1 || height < 1 || channel_count < 0 || width > FILM_PIXELS_MAX / height)
@@ -20,6 +24,7 @@ struct satin_film *film_new(int width, int height, const char *const *channel_na
     size_t count = (size_t)channel_count, pixels = (size_t)width * (size_t)height;
     film->width = film->full_width = width;
     film->height = film->full_height = height;
+    memcpy(film->chromaticities, srgb_chromaticities, sizeof srgb_chromaticities);
     film->channel_name = calloc(count + 1, sizeof *film->channel_name);
     film->channel = calloc(count + 1, sizeof *film->channel);
     if (!film->channel_name || !film->channel) goto fail;
@@ -96,6 +101,15 @@ bool film_attribute_set(struct satin_film *film, const char *name, const char *v
     grown[count] = (struct film_attribute){key, copy};
     film->attribute_count++;
     return true;
+}
+
+void film_attribute_remove(struct satin_film *film, const char *name) {
+    struct film_attribute *found = find_attribute(film, name);
+    struct film_attribute *last = &film->attribute[film->attribute_count - 1];
+    free(found->name);
+    free(found->value);
+    memmove(found, found + 1, (size_t)(last - found) * sizeof *found);
+    film->attribute_count--;
 }
 
 const char *film_attribute_get(const struct satin_film *film, const char *name) {

@@ -33,10 +33,12 @@ struct satin_film {
     bool full_float;  // whether files have 32-bit floats in all channels, whatever the format says
     bool keep_nonfinite;  // whether files have values that are not finite as they are, not as 0
     struct film_camera camera;
+    float chromaticities[8];  // x y of red, green, blue and white, in the file alone
 };
 
 // Makes a film with zeroed channels of these names, which are copied. NULL if there is no memory,
-// if width or height is below 1, or if there are more than 2^31 pixels.
+// if width or height is below 1, or if there are more than 2^31 pixels. Its primaries are those of
+// sRGB.
 struct satin_film *film_new(int width, int height, const char *const *channel_names,
                             int channel_count);
 float *film_channel(struct satin_film *film, const char *name);  // NULL if there is none
@@ -45,6 +47,8 @@ bool film_is_cryptomatte(const char *channel);
 // Adds or replaces an attribute. False if there is no memory.
 bool film_attribute_set(struct satin_film *film, const char *name, const char *value);
 const char *film_attribute_get(const struct satin_film *film, const char *name);
+// Removes an attribute that is there.
+void film_attribute_remove(struct satin_film *film, const char *name);
 // Set to FILM_VARIANCE_BOUND if the channels of variance are a bound, which must not be subtracted.
 #define FILM_VARIANCE_ATTRIBUTE "satin:variance"
 #define FILM_VARIANCE_BOUND "bound"
@@ -172,10 +176,10 @@ satin_status film_pixel_kinds(const struct satin_film *image, const struct satin
 satin_status film_common_box(const struct satin_film *a, const struct satin_film *b, struct log log,
                              int box[4]);
 // Makes a film of a box of the image (film_common_box) with the first channels R, G and B, which
-// are those of the layer, or of the beauty if `layer` is NULL. Channels of layer emission are there
-// if the image has them, and those of layer variance with the beauty unless they are a bound.
-// `name` is for messages. SATIN_ERROR_INPUT, with one logged line, if the image has not all pixels
-// or no such channels.
+// are those of the layer, or of the beauty if `layer` is NULL, and with the image's place in the
+// whole one (satin_film_window). Channels of layer emission are there if the image has them, and
+// those of layer variance with the beauty unless they are a bound. `name` is for messages.
+// SATIN_ERROR_INPUT, with one logged line, if the image has not all pixels or no such channels.
 satin_status film_select(const struct satin_film *film, const char *name, const char *layer,
                          const int box[4], struct log log, struct satin_film **out);
 // The error of each pixel of a selected image: the root of the mean of (x - r)^2 / (r^2 + 0.01)

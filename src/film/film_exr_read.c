@@ -137,6 +137,24 @@ static void set_film_window(struct reader *r) {
     r->film->full_height = (int)height;
 }
 
+// Reads the primaries and the matrices of the camera, if the file has them.
+static void read_standard_attributes(struct reader *r) {
+    struct film_camera *camera = &r->film->camera;
+    exr_attr_chromaticities_t c;
+    exr_attr_m44f_t to_camera, to_ndc;
+    if (exr_attr_get_chromaticities(r->exr, 0, "chromaticities", &c) == EXR_ERR_SUCCESS) {
+        const float xy[8] = {c.red_x,  c.red_y,  c.green_x, c.green_y,
+                             c.blue_x, c.blue_y, c.white_x, c.white_y};
+        memcpy(r->film->chromaticities, xy, sizeof xy);
+    }
+    if (exr_attr_get_m44f(r->exr, 0, "worldToCamera", &to_camera) != EXR_ERR_SUCCESS ||
+        exr_attr_get_m44f(r->exr, 0, "worldToNDC", &to_ndc) != EXR_ERR_SUCCESS)
+        return;
+    camera->known = true;
+    memcpy(camera->to_camera, to_camera.m, sizeof camera->to_camera);
+    memcpy(camera->to_ndc, to_ndc.m, sizeof camera->to_ndc);
+}
+
 static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     const exr_attr_chlist_t *channels = NULL;
     exr_compression_t compression = EXR_COMPRESSION_NONE;
@@ -151,8 +169,10 @@ static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     if (!why) why = read_exr_size(r, channels);
     if (why) return log_fail(r->log, SATIN_ERROR_INPUT, "%s: %s", r->name, why);
     status = make_film(r, channels);
-    if (status == SATIN_OK) set_film_window(r);
-    return status;
+    if (status != SATIN_OK) return status;
+    set_film_window(r);
+    read_standard_attributes(r);
+    return SATIN_OK;
 }
 
 // Whether an attribute describes the structure of the file and not the image.

@@ -204,12 +204,13 @@ static exr_result_t set_windows(exr_context_t exr, const struct satin_film *film
                                         EXR_LINEORDER_INCREASING_Y, compression);
 }
 
-// Describes colours and camera: the primaries of linear sRGB (ITU-R BT.709), and the matrices.
+// Describes colours and camera: the primaries, and the matrices.
 static exr_result_t set_standard_attributes(exr_context_t exr, const struct satin_film *film) {
-    static const exr_attr_chromaticities_t srgb = {0.64f, 0.33f, 0.30f,   0.60f,
-                                                   0.15f, 0.06f, 0.3127f, 0.3290f};
+    const float *xy = film->chromaticities;
+    const exr_attr_chromaticities_t primaries = {xy[0], xy[1], xy[2], xy[3],
+                                                 xy[4], xy[5], xy[6], xy[7]};
     exr_attr_m44f_t matrix;
-    exr_result_t r = exr_attr_set_chromaticities(exr, 0, "chromaticities", &srgb);
+    exr_result_t r = exr_attr_set_chromaticities(exr, 0, "chromaticities", &primaries);
     if (!film->camera.known) return r;
     memcpy(matrix.m, film->camera.to_camera, sizeof matrix.m);
     if (r == EXR_ERR_SUCCESS) r = exr_attr_set_m44f(exr, 0, "worldToCamera", &matrix);

@@ -77,6 +77,10 @@ satin_status film_select(const struct satin_film *film, const char *name, const 
     }
     struct satin_film *made = film_new(box[2], box[3], found, count);
     if (!made) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", name);
+    made->x = box[0];
+    made->y = box[1];
+    made->full_width = film->full_width;
+    made->full_height = film->full_height;
     for (int i = 0; i < count; i++) copy_box(film, from[i], box, made->channel[i]);
     *out = made;
     return SATIN_OK;

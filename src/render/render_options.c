@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "render/options_quality.h"
+#include "render/options_table.h"
 #include "render/render_state.h"
 
 static int resolve_value(int value, int open, int scene, int scene_open, int fallback) {

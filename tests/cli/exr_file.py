@@ -4,8 +4,8 @@
 import struct
 
 
-def read_exr(path):
-    """The attributes of a file, by name as bytes, and the rows of each channel, as bytes."""
+def split_exr(path):
+    """The attributes of a file, by name as bytes, its bytes, and where its table of chunks begins."""
     with open(path, "rb") as file:
         data = file.read()
     attributes, at = {}, 8
@@ -15,6 +15,18 @@ def read_exr(path):
         size, = struct.unpack_from("<i", data, kind_end + 1)
         attributes[data[at:end].decode()] = data[kind_end + 5:kind_end + 5 + size]
         at = kind_end + 5 + size
+    return attributes, data, at + 1
+
+
+def read_chunks(path):
+    """All that follows the header and the table of chunks: the pixels, as they are compressed."""
+    _, data, table = split_exr(path)
+    return data[struct.unpack_from("<Q", data, table)[0]:]
+
+
+def read_exr(path):
+    """The attributes of a file, by name as bytes, and the rows of each channel, as bytes."""
+    attributes, data, table = split_exr(path)
     names, kinds, body = [], [], attributes["channels"]
     while body[0]:
         end = body.index(0)

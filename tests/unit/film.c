@@ -44,6 +44,21 @@ static void attributes_replace_earlier_ones(void **state) {
     satin_film_free(film);
 }
 
+static void attributes_are_removed(void **state) {
+    (void)state;
+    static const char *const name[] = {"a", "b", "c"};
+    struct satin_film *film = film_new(1, 1, NULL, 0);
+    for (int i = 0; i < 3; i++) assert_true(film_attribute_set(film, name[i], name[i]));
+    film_attribute_remove(film, "b");
+    assert_null(film_attribute_get(film, "b"));
+    assert_string_equal(film_attribute_get(film, "a"), "a");
+    film_attribute_remove(film, "c");
+    assert_string_equal(film_attribute_get(film, "a"), "a");
+    film_attribute_remove(film, "a");
+    assert_int_equal(film->attribute_count, 0);
+    satin_film_free(film);
+}
+
 static void sizes_are_bounded(void **state) {
     (void)state;
     assert_null(film_new(0, 1, NULL, 0));
@@ -58,6 +73,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(channels_are_found_by_name),
         cmocka_unit_test(attributes_replace_earlier_ones),
+        cmocka_unit_test(attributes_are_removed),
         cmocka_unit_test(sizes_are_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

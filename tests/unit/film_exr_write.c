@@ -149,6 +149,21 @@ static void the_header_describes_colours_and_camera(void **state) {
     assert_int_equal(exr_attr_get_m44f(exr, 0, "worldToNDC", &matrix), EXR_ERR_SUCCESS);
     assert_true(matrix.m[0] == 100.0f && matrix.m[15] == 115.0f);
     exr_finish(&exr);
+    // They come back, also with other primaries.
+    struct satin_film *back = NULL;
+    film->chromaticities[0] = 0.7347f;
+    assert_int_equal(satin_film_write_exr(film, "header.exr", NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_film_read("header.exr", NULL, NULL, &back), SATIN_OK);
+    assert_true(back->camera.known);
+    assert_memory_equal(back->camera.to_camera, film->camera.to_camera, 16 * sizeof(float));
+    assert_memory_equal(back->camera.to_ndc, film->camera.to_ndc, 16 * sizeof(float));
+    assert_memory_equal(back->chromaticities, film->chromaticities, 8 * sizeof(float));
+    satin_film_free(back);
+    film->camera.known = false;
+    assert_int_equal(satin_film_write_exr(film, "header.exr", NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_film_read("header.exr", NULL, NULL, &back), SATIN_OK);
+    assert_false(back->camera.known);
+    satin_film_free(back);
     satin_film_free(film);
     unlink("header.exr");
 }
