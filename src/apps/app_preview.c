@@ -19,5 +19,6 @@ void app_preview_write(struct app_preview *preview, const satin_film *snapshot) 
 
 void app_preview_finish(const struct app_preview *preview, const satin_film *film) {
     if (preview->path && film)
-        satin_film_write_png(film, preview->path, preview->tonemap, warn, preview->progress);
+        film_write_png_as(film, preview->path, preview->tonemap, preview->format,
+                          (struct log){warn, preview->progress});
 }

@@ -8,8 +8,9 @@
 struct app_preview {
     const char *path;  // of a PNG; NULL: there is none
     const satin_tonemap *tonemap;
-    struct app_progress *progress;  // which prints warnings
-    bool failed;                    // the picture could not be written, which was reported
+    const satin_exr_format *format;  // of the file, which the finished image has too
+    struct app_progress *progress;   // which prints warnings
+    bool failed;                     // the picture could not be written, which was reported
 };
 
 // Writes a snapshot of the image. If that fails, once a warning is printed.

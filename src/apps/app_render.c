@@ -105,7 +105,7 @@ static satin_status write_outputs(const struct app_render_request *r, const sati
     struct stats written = {.count = 0};
     satin_status status;
     if (app_ends_in(r->output, ".png")) {
-        status = satin_film_write_png(film, r->output, &r->tonemap, log.fn, log.user);
+        status = film_write_png_as(film, r->output, &r->tonemap, &r->format, log);
     } else {
         struct parallel *pool = parallel_new(threads);
         if (pool) parallel_begin_part(pool, "write");
@@ -116,7 +116,7 @@ static satin_status write_outputs(const struct app_render_request *r, const sati
     stats_set(&written, "time.whole_s", stats_wall() - start);
     // Each output is written, even if another one failed.
     satin_status png = SATIN_OK, json = SATIN_OK;
-    if (r->png) png = satin_film_write_png(film, r->png, &r->tonemap, log.fn, log.user);
+    if (r->png) png = film_write_png_as(film, r->png, &r->tonemap, &r->format, log);
     if (r->stats) json = write_stats(r, film, &written, log);
     if (status != SATIN_OK) return status;
     return png != SATIN_OK ? png : json;
@@ -294,7 +294,8 @@ static satin_status run_scene(const struct app_render_request *r, const satin_sc
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
     const satin_ranks *ranks = r->ranks->ranks;
     if (ranks) ranks->broadcast(ranks->user, 0, &options.time, sizeof options.time);
-    struct shown_image shown = {progress, {r->preview, &r->tonemap, progress, false}, r->display};
+    struct shown_image shown = {
+        progress, {r->preview, &r->tonemap, &r->format, progress, false}, r->display};
     return r->animation ? run_animation(r, scene, &options, animation, &shown, start)
                         : run_image(r, scene, &options, &shown, start);
 }

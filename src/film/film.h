@@ -62,6 +62,10 @@ const float *film_variance(const struct satin_film *film, const char *channel);
 satin_status film_write_exr_as(const struct satin_film *film, const char *path,
                                const satin_exr_format *format, struct parallel *pool,
                                struct log log);
+// Whether a channel has half floats in a file of this format.
+bool film_is_half(const struct satin_film *film, const satin_exr_format *format, const char *name);
+// The half float that a file has for a value whose size is at most 65504.
+float film_half(float value);
 // How hard zlib tries to compress the chunks of a file: fixed, as defaults differ. With noisy
 // floats the sizes of 1 to 9 differ by 1.5 %.
 enum { FILM_ZIP_EFFORT = 4 };
@@ -90,12 +94,26 @@ satin_status film_encode_pixels(const char *name, const struct film_pixels *pict
 // The light that a display shows for this light, to be encoded; values beyond [0, 1] are clamped
 // then. Light that is not finite becomes white, no value black.
 rgb film_tone(satin_tone tone, rgb light);
-// The factor of auto exposure for R, G and B, planes of the film's size.
-double film_auto_exposure(const struct satin_film *film, const float *const light[3]);
+// The light of a picture.
+struct film_light {
+    const float *plane[3];  // R, G and B
+    // Whether the light is that of a file: with half floats if it has them, with 0 for what is not
+    // finite unless the film keeps that.
+    bool half, finite;
+};
+float film_light_value(const struct film_light *light, float value);
+rgb film_light_at(const struct film_light *light, size_t i);
+// The factor of auto exposure for light of the film's size.
+double film_auto_exposure(const struct satin_film *film, const struct film_light *light);
 // The 8-bit sRGB pixels of a picture as satin_film_write_png writes it, but without alpha, over
 // black; from malloc. NULL after a logged error.
 unsigned char *film_picture(const struct satin_film *film, const char *name,
                             const satin_tonemap *tonemap, struct log log, satin_status *status);
+// Writes what satin_film_write_png writes of the film once it is read from a file of this format,
+// so that the picture of a render is that of its file.
+satin_status film_write_png_as(const struct satin_film *film, const char *path,
+                               const satin_tonemap *tonemap, const satin_exr_format *format,
+                               struct log log);
 // Writes what satin_film_write_png writes, but quickly: with less compression and without waiting
 // for the disk. A reader of `path`, a regular file, always finds a whole picture.
 satin_status film_write_preview(const struct satin_film *film, const char *path,

@@ -168,19 +168,29 @@ static bool fits_half(const float *value, size_t count) {
     return small * HALF_ABSOLUTE <= HALF_RELATIVE * sum;
 }
 
-// The type of a channel in the file, the same for all channels of a layer of colours.
-static exr_pixel_type_t pixel_type(const struct writer *w, int channel) {
-    const struct satin_film *film = w->film;
+// The type is the same for all channels of a layer of colours.
+bool film_is_half(const struct satin_film *film, const satin_exr_format *format, const char *name) {
     const size_t pixels = (size_t)film->width * (size_t)film->height;
-    const char *name = film->channel_name[channel];
     size_t layer, other;
-    if (w->format.full_float || film->full_float || !is_color(name, &layer)) return EXR_PIXEL_FLOAT;
+    if (format->full_float || film->full_float || !is_color(name, &layer)) return false;
     for (int i = 0; i < film->channel_count; i++) {
         const bool same = is_color(film->channel_name[i], &other) && other == layer &&
                           strncmp(film->channel_name[i], name, layer) == 0;
-        if (same && !fits_half(film->channel[i], pixels)) return EXR_PIXEL_FLOAT;
+        if (same && !fits_half(film->channel[i], pixels)) return false;
     }
-    return EXR_PIXEL_HALF;
+    return true;
+}
+
+// OpenEXR rounds to the nearest value, and halfway to the one that is even.
+float film_half(float value) {
+    const uint32_t lowest = 1u << 13;  // of the 23 bits of the mantissa, a half has the first 10
+    uint32_t bits;
+    if (fabsf(value) < HALF_NORMAL) return rintf(value * 0x1p24f) * 0x1p-24f;
+    memcpy(&bits, &value, sizeof bits);
+    bits += lowest / 2 - 1 + (bits / lowest & 1);
+    bits -= bits % lowest;
+    memcpy(&value, &bits, sizeof value);
+    return value;
 }
 
 static bool has_long_name(const struct satin_film *film) {
@@ -225,9 +235,12 @@ static exr_result_t write_header(struct writer *w) {
     if (r == EXR_ERR_SUCCESS) r = exr_add_part(w->exr, NULL, EXR_STORAGE_SCANLINE, &part);
     if (r == EXR_ERR_SUCCESS)
         r = set_windows(w->exr, film, exr_compressions[w->format.compression]);
-    for (int i = 0; r == EXR_ERR_SUCCESS && i < film->channel_count; i++)
-        r = exr_add_channel(w->exr, 0, film->channel_name[i], pixel_type(w, i),
+    for (int i = 0; r == EXR_ERR_SUCCESS && i < film->channel_count; i++) {
+        const char *name = film->channel_name[i];
+        r = exr_add_channel(w->exr, 0, name,
+                            film_is_half(film, &w->format, name) ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    }
     if (r == EXR_ERR_SUCCESS) r = set_standard_attributes(w->exr, film);
     for (int i = 0; r == EXR_ERR_SUCCESS && i < film->attribute_count; i++)
         r = exr_attr_set_string(w->exr, 0, film->attribute[i].name, film->attribute[i].value);

@@ -77,18 +77,31 @@ static const float *picture_alpha(const struct satin_film *film, const satin_ton
     return tonemap && tonemap->layer ? NULL : satin_film_channel(film, "A");
 }
 
-// Film_picture, with a fourth channel if `alpha` is not NULL. The colours of a PNG are not
-// multiplied by alpha, and those of a film are.
+// The planes of the light that is shown, as they are, or with `format` as a file of it has them.
+static struct film_light shown_light(const struct satin_film *film, const char *layer,
+                                     const satin_exr_format *format) {
+    struct film_light light = {{shown_channel(film, layer, 'R'), shown_channel(film, layer, 'G'),
+                                shown_channel(film, layer, 'B')},
+                               false,
+                               format && !film->keep_nonfinite};
+    for (int i = 0; i < film->channel_count && format; i++)
+        if (film->channel[i] == light.plane[0])
+            light.half = film_is_half(film, format, film->channel_name[i]);
+    return light;
+}
+
+// Film_picture, with a fourth channel if `alpha` is not NULL, of the film as a file of this format
+// has it unless this is NULL. The colours of a PNG are not multiplied by alpha, and those of a film
+// are.
 static unsigned char *make_picture(const struct satin_film *film, const char *name,
-                                   const satin_tonemap *tonemap, const float *alpha, struct log log,
+                                   const satin_tonemap *tonemap, const float *alpha,
+                                   const satin_exr_format *format, struct log log,
                                    satin_status *status) {
     static const satin_tonemap plain = {0};
     const satin_tonemap *map = tonemap ? tonemap : &plain;
-    const float *const light[3] = {shown_channel(film, map->layer, 'R'),
-                                   shown_channel(film, map->layer, 'G'),
-                                   shown_channel(film, map->layer, 'B')};
+    const struct film_light light = shown_light(film, map->layer, format);
     *status = SATIN_ERROR_ARGUMENT;
-    if (!light[0] || !light[1] || !light[2]) {
+    if (!light.plane[0] || !light.plane[1] || !light.plane[2]) {
         const char *dot = map->layer ? "." : "", *layer = map->layer ? map->layer : "";
         log_fail(log, *status, "%s: the film has no channels %s%sR, G and B%s", name, layer, dot,
                  map->layer ? "; a layer that is shown has colours" : "");
@@ -106,13 +119,13 @@ static unsigned char *make_picture(const struct satin_film *film, const char *na
         return NULL;
     }
     const float factor = (float)(exp2((double)map->exposure) *
-                                 (map->auto_exposure ? film_auto_exposure(film, light) : 1.0));
+                                 (map->auto_exposure ? film_auto_exposure(film, &light) : 1.0));
     for (size_t i = 0; i < pixels; i++) {
-        const bool covered = alpha && alpha[i] > 0.0f;
-        const float multiplied = covered ? fminf(alpha[i], 1.0f) : 1.0f;
-        const float scale = factor / multiplied;
-        const rgb shown = film_tone(
-            map->tone, rgb_make(scale * light[0][i], scale * light[1][i], scale * light[2][i]));
+        const float opacity = alpha ? film_light_value(&light, alpha[i]) : 1.0f;
+        const bool covered = opacity > 0.0f;
+        const float multiplied = covered ? fminf(opacity, 1.0f) : 1.0f;
+        const rgb shown =
+            film_tone(map->tone, rgb_scale(film_light_at(&light, i), factor / multiplied));
         unsigned char *at = pixel + channels * i;
         at[0] = film_encode_srgb(shown.r);
         at[1] = film_encode_srgb(shown.g);
@@ -124,21 +137,25 @@ static unsigned char *make_picture(const struct satin_film *film, const char *na
 
 unsigned char *film_picture(const struct satin_film *film, const char *name,
                             const satin_tonemap *tonemap, struct log log, satin_status *status) {
-    return make_picture(film, name, tonemap, NULL, log, status);
+    return make_picture(film, name, tonemap, NULL, NULL, log, status);
 }
 
-satin_status satin_film_write_png(const satin_film *film, const char *path,
-                                  const satin_tonemap *tonemap, satin_log_fn log_fn,
-                                  void *log_user) {
-    const struct log log = {log_fn, log_user};
+satin_status film_write_png_as(const struct satin_film *film, const char *path,
+                               const satin_tonemap *tonemap, const satin_exr_format *format,
+                               struct log log) {
     const float *alpha = picture_alpha(film, tonemap);
     satin_status status;
-    unsigned char *pixel = make_picture(film, path, tonemap, alpha, log, &status);
+    unsigned char *pixel = make_picture(film, path, tonemap, alpha, format, log, &status);
     if (pixel)
         status = film_write_pixels(
             path, &(struct film_pixels){film->width, film->height, alpha ? 4 : 3, pixel}, log);
     free(pixel);
     return status;
+}
+
+satin_status satin_film_write_png(const satin_film *film, const char *path,
+                                  const satin_tonemap *tonemap, satin_log_fn log, void *log_user) {
+    return film_write_png_as(film, path, tonemap, NULL, (struct log){log, log_user});
 }
 
 satin_status film_write_preview(const struct satin_film *film, const char *path,
@@ -153,7 +170,7 @@ satin_status film_write_preview(const struct satin_film *film, const char *path,
     void *file = NULL;
     size_t bytes = 0;
     satin_status status;
-    unsigned char *pixel = make_picture(film, path, tonemap, alpha, log, &status);
+    unsigned char *pixel = make_picture(film, path, tonemap, alpha, NULL, log, &status);
     if (pixel) status = encode(path, &image, pixel, log, &file, &bytes);
     free(pixel);
     if (status == SATIN_OK) status = fileio_output_open(log, path, FILEIO_SEEK, &out);

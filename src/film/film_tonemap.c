@@ -8,13 +8,24 @@
 // The luminance that auto exposure makes the mean one: that of a grey card.
 static const double GREY = 0.18;
 
+float film_light_value(const struct film_light *light, float value) {
+    if (light->finite && !isfinite(value)) return 0.0f;
+    return light->half ? film_half(value) : value;
+}
+
+rgb film_light_at(const struct film_light *light, size_t i) {
+    return rgb_make(film_light_value(light, light->plane[0][i]),
+                    film_light_value(light, light->plane[1][i]),
+                    film_light_value(light, light->plane[2][i]));
+}
+
 // The factor by which the mean logarithm of the luminance becomes that of GREY [Reinhard et al.
 // 2002, equation 1]. Pixels that are black or not finite are left out.
-double film_auto_exposure(const struct satin_film *film, const float *const light[3]) {
+double film_auto_exposure(const struct satin_film *film, const struct film_light *light) {
     const size_t pixels = (size_t)film->width * (size_t)film->height;
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < pixels; i++) {
-        const double Y = (double)rgb_luminance(rgb_make(light[0][i], light[1][i], light[2][i]));
+        const double Y = (double)rgb_luminance(film_light_at(light, i));
         if (!(Y > 0.0) || !isfinite(Y)) continue;
         sum += log(Y);
         count++;

@@ -156,12 +156,13 @@ static int choose_width(const struct study_report *report, int width, int height
 static satin_status add_scene_pictures(struct pictures *p, size_t scene) {
     const satin_film *r = p->reference;
     const size_t points = p->report->plan->study.points;
-    const float *const light[3] = {satin_film_channel(r, "R"), satin_film_channel(r, "G"),
-                                   satin_film_channel(r, "B")};
+    const struct film_light light = {.plane = {satin_film_channel(r, "R"),
+                                               satin_film_channel(r, "G"),
+                                               satin_film_channel(r, "B")}};
     p->width = choose_width(p->report, r->width, r->height);
     p->height = (int)fmax(1.0, round((double)p->width * (double)r->height / (double)r->width));
     const size_t count = (size_t)p->width * (size_t)p->height;
-    p->exposure = film_auto_exposure(r, light);
+    p->exposure = film_auto_exposure(r, &light);
     p->light = array_new(5 * count, sizeof *p->light);
     p->pixel = array_new(3 * count, 1);
     satin_status status = p->light && p->pixel ? SATIN_OK : SATIN_ERROR_MEMORY;

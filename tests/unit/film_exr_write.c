@@ -125,6 +125,41 @@ static void colours_are_half_floats_where_these_serve(void **state) {
     unlink("half.exr");
 }
 
+// All that a file of half floats returns is known before it is written.
+static void halves_are_those_of_files(void **state) {
+    (void)state;
+    enum { SIDE = 256 };
+    struct satin_film *film = film_exr_write_noisy(SIDE, SIDE), *back = NULL;
+    const satin_exr_format plain = {.full_float = false}, full = {.full_float = true};
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        // Each half, the middle between it and the next one, and the floats beside that.
+        const uint32_t h = i < 0x7bff ? i : i - 0x8000;
+        const int exponent = (int)(h >> 10 & 31);
+        const float mantissa = (float)(h & 1023) + (exponent ? 1024.0f : 0.0f);
+        const float spacing = ldexpf(1.0f, (exponent ? exponent : 1) - 25);
+        const float value = ldexpf(mantissa, (exponent ? exponent : 1) - 25);
+        const float middle = value + 0.5f * spacing;
+        film->channel[0][i] = h < 0x7bff ? value : 1.0f;
+        film->channel[1][i] = h < 0x7bff ? nextafterf(middle, i & 1 ? 0.0f : 1e6f) : 1.0f;
+        film->channel[2][i] = h < 0x7bff ? (i < 0x7bff ? middle : -middle) : 1.0f;
+    }
+    assert_int_equal(satin_film_write_exr_as(film, "half.exr", &plain, NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_film_read("half.exr", NULL, NULL, &back), SATIN_OK);
+    for (int c = 0; c < 3; c++) {
+        const float *read = satin_film_channel(back, film->channel_name[c]);
+        assert_true(film_is_half(film, &plain, film->channel_name[c]));
+        assert_false(film_is_half(film, &full, film->channel_name[c]));
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const float rounded = film_half(film->channel[c][i]);
+            assert_memory_equal(&rounded, &read[i], sizeof rounded);
+        }
+    }
+    assert_false(film_is_half(film, &plain, "depth.Z"));
+    satin_film_free(back);
+    satin_film_free(film);
+    unlink("half.exr");
+}
+
 // The header says which primaries the colours have, and how the camera maps points to the image.
 static void the_header_describes_colours_and_camera(void **state) {
     (void)state;
@@ -251,6 +286,7 @@ int main(void) {
         cmocka_unit_test(writing_and_reading_return_the_same),
         cmocka_unit_test(threads_do_not_change_the_bytes_of_a_file),
         cmocka_unit_test(colours_are_half_floats_where_these_serve),
+        cmocka_unit_test(halves_are_those_of_files),
         cmocka_unit_test(the_header_describes_colours_and_camera),
         cmocka_unit_test(the_window_of_a_crop_is_kept),
         cmocka_unit_test(values_that_are_not_finite_become_zero),
