@@ -78,7 +78,9 @@ typedef struct satin_options {
     bool adaptive_sampling;  // spp is a mean: noisy pixels get more samples; without effect with
                              // path
     bool denoise;            // denoises light that no record carries; needs Open Image Denoise
-    int width, height;       // film size in pixels; 0: the scene's
+    // Size of the whole film in pixels; 0: the scene's, or by its aspect ratio if one is given. A
+    // crop window of the scene is scaled with it.
+    int width, height;
     // The part of the film that is rendered, in its pixels from the top left; it replaces the
     // scene's crop window. crop_width or crop_height 0: the scene's.
     int crop_x, crop_y, crop_width, crop_height;

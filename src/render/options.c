@@ -174,7 +174,7 @@ static bool is_in_range(const struct option *option, const satin_options *option
     satin_options parsed = {0};
     const char *in = (const char *)options + option->offset;
     if (option->kind == OPTION_TEXT && !memchr(in, 0, OPTION_TEXT_SIZE)) {
-        snprintf(value, size, "%.*s", OPTION_TEXT_SIZE, in);
+        snprintf(value, size, "%.80s", in);
         return false;
     }
     option_print(option, options, value, size);

@@ -46,17 +46,20 @@ const struct option options_table[] = {
      "are not changed, and the noisy image is kept in channels of its own. It needs Open Image "
      "Denoise 2: `./bootstrap denoiser` installs it, or the environment variable SATIN_OIDN names "
      "its file. It gets at most half of a time limit."},
-    {"width", OPTION_INT, AT(width), false, "0..65536", "Film width in pixels; 0 is the scene's."},
+    {"width", OPTION_INT, AT(width), false, "0..65536",
+     "Width of the whole film in pixels; 0 is the scene's, or follows from the height by the "
+     "scene's "
+     "aspect ratio. A crop window of the scene is scaled with the film and shows the same region; "
+     "its borders are rounded to whole pixels."},
     {"height", OPTION_INT, AT(height), false, "0..65536",
-     "Film height in pixels; 0 is the scene's."},
+     "Height of the whole film in pixels, likewise."},
     {"crop-x", OPTION_INT, AT(crop_x), false, "0..65535",
      "First column of the film that is rendered, if any of the four options of a crop is not 0."},
     {"crop-y", OPTION_INT, AT(crop_y), false, "0..65535",
      "First row of the film that is rendered, likewise."},
     {"crop-width", OPTION_INT, AT(crop_width), false, "0..65536",
      "Width of the part of the film that is rendered, in pixels; 0 is all from crop-x on. Without "
-     "a crop, the scene's crop window is rendered; with one, width and height are those of the "
-     "whole film."},
+     "a crop, the scene's crop window is rendered."},
     {"crop-height", OPTION_INT, AT(crop_height), false, "0..65536",
      "Height of the part of the film that is rendered, in pixels; 0 is all from crop-y on."},
     {"seed", OPTION_SEED, AT(seed), false, "0..18446744073709551615",

@@ -16,6 +16,11 @@
 // or SATIN_ERROR_MEMORY. Files of records are not checked.
 satin_status render_check(const satin_scene *scene, const satin_options *options, struct log log);
 
+// The size of the image that satin_render makes with these options. SATIN_ERROR_INPUT, with one
+// logged line, if the film is too large or the crop is not inside of it.
+satin_status render_size(const satin_scene *scene, const satin_options *options, struct log log,
+                         int *width, int *height);
+
 // Describes by what the render `there` differs from that of `here`, two texts as satin_complete_fn
 // has them: `seed=2 instead of seed=0`. False if they are equal.
 bool render_describe_difference(const char *here, const char *there, char *out, size_t size);

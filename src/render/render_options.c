@@ -14,52 +14,6 @@ static int resolve_value(int value, int open, int scene, int scene_open, int fal
     return scene != scene_open ? scene : fallback;
 }
 
-// Sets another film size: if only one number is given, the aspect ratio is kept, else the
-// horizontal field of view. A crop window keeps its position.
-static void resize(struct satin_scene *scene, int width, int height) {
-    struct scene_film *film = &scene->film;
-    if (width <= 0 && height <= 0) return;
-    double aspect = (double)film->crop_height / film->crop_width;
-    if (width <= 0) width = (int)fmax(1.0, floor(height / aspect + 0.5));
-    if (height <= 0) height = (int)fmax(1.0, floor(width * aspect + 0.5));
-    double sx = (double)width / film->crop_width, sy = (double)height / film->crop_height;
-    scene->camera.tan_y *= (float)(sy / sx);
-    film->crop_x = (int)floor(film->crop_x * sx + 0.5);
-    film->crop_y = (int)floor(film->crop_y * sy + 0.5);
-    film->width = (int)fmax(film->crop_x + width, floor(film->width * sx + 0.5));
-    film->height = (int)fmax(film->crop_y + height, floor(film->height * sy + 0.5));
-    film->crop_width = width;
-    film->crop_height = height;
-}
-
-// Replaces the scene's crop window by that of the options, after the film has got its size. If they
-// have one, *o gets its whole size.
-static satin_status set_film(struct satin_scene *scene, satin_options *o, struct log log) {
-    struct scene_film *film = &scene->film;
-    const bool crop = o->crop_x > 0 || o->crop_y > 0 || o->crop_width > 0 || o->crop_height > 0;
-    if (crop) {
-        film->crop_x = film->crop_y = 0;
-        film->crop_width = film->width;
-        film->crop_height = film->height;
-    }
-    resize(scene, o->width, o->height);
-    if (!crop) return SATIN_OK;
-    // At least 1, so that a position outside of the film is refused.
-    if (o->crop_width == 0) o->crop_width = (int)fmax(film->width - o->crop_x, 1.0);
-    if (o->crop_height == 0) o->crop_height = (int)fmax(film->height - o->crop_y, 1.0);
-    if ((int64_t)o->crop_x + o->crop_width > film->width ||
-        (int64_t)o->crop_y + o->crop_height > film->height)
-        return log_fail(log, SATIN_ERROR_INPUT,
-                        "the crop of %dx%d pixels at (%d, %d) is not inside of the film of %dx%d",
-                        o->crop_width, o->crop_height, o->crop_x, o->crop_y, film->width,
-                        film->height);
-    film->crop_x = o->crop_x;
-    film->crop_y = o->crop_y;
-    film->crop_width = o->crop_width;
-    film->crop_height = o->crop_height;
-    return SATIN_OK;
-}
-
 // Checks that every name in material_cache is that of a material, whether or not this render uses
 // caches.
 static satin_status check_materials(const struct satin_scene *scene, const satin_options *o,
@@ -93,13 +47,10 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     r->scene = *scene;
     *o = *options;
     satin_status status = options_check(options, r->log);
-    if (status == SATIN_OK) status = set_film(&r->scene, o, r->log);
+    if (status == SATIN_OK) status = render_window(&r->scene, o, r->log);
     if (status != SATIN_OK) return status;
     o->width = r->scene.film.crop_width;
     o->height = r->scene.film.crop_height;
-    if ((int64_t)o->width * o->height > INT32_MAX)
-        return log_fail(r->log, SATIN_ERROR_INPUT, "a film of %d x %d pixels is too large",
-                        o->width, o->height);
     status = check_materials(scene, o, r->log);
     if (status != SATIN_OK) return status;
     o->max_depth = resolve_value(o->max_depth, -2, hints->max_depth, -2, -1);

@@ -172,6 +172,11 @@ satin_status render_final_status(struct render *r, const satin_callbacks *callba
 satin_status render_resolve(struct render *r, const struct satin_scene *scene,
                             const satin_options *options);
 
+// ---- render_window.c: the film, of the scene's and of the options of its size and crop
+// Sets the film of a copy of the scene. If a part of it is rendered, *o gets its window. Else, and
+// after a failure, *o is unchanged.
+satin_status render_window(struct satin_scene *scene, satin_options *o, struct log log);
+
 // ---- render_animation.c: the frames of an animation
 // Sets the cameras of all frames, and checks that the animation can be rendered. Does nothing if
 // there is one image.

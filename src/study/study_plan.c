@@ -5,7 +5,6 @@
 // the program is noticed.
 #include "study/study_plan.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -267,19 +266,8 @@ static satin_status check_reference(struct planner *p) {
     if (status != SATIN_OK) return status;
     satin_film_size(film, &w, &h);
     satin_film_free(film);
-    satin_scene_film_size(p->scene, &width, &height);
-    // As a render does it: one of them alone keeps the ratio.
-    const double aspect = (double)height / (double)width;
-    if (options.width > 0 || options.height > 0) {
-        width = options.width > 0 ? options.width
-                                  : (int)fmax(1.0, floor((double)options.height / aspect + 0.5));
-        height = options.height > 0 ? options.height
-                                    : (int)fmax(1.0, floor((double)options.width * aspect + 0.5));
-    }
-    if (options.crop_x || options.crop_y || options.crop_width || options.crop_height) {
-        width = options.crop_width > 0 ? options.crop_width : width - options.crop_x;
-        height = options.crop_height > 0 ? options.crop_height : height - options.crop_y;
-    }
+    status = render_size(p->scene, &options, (struct log){log_at_point, p}, &width, &height);
+    if (status != SATIN_OK) return status;
     if (w == width && h == height) return SATIN_OK;
     log_error_at(p->log, scene->at, "the reference %s has %dx%d pixels, images have %dx%d",
                  scene->reference, w, h, width, height);
