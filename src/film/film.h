@@ -194,10 +194,10 @@ satin_status film_pixel_kinds(const struct satin_film *image, const struct satin
 satin_status film_common_box(const struct satin_film *a, const struct satin_film *b, struct log log,
                              int box[4]);
 // Makes a film of a box of the image (film_common_box) with the first channels R, G and B, which
-// are those of the layer, or of the beauty if `layer` is NULL, and with the image's place in the
-// whole one (satin_film_window). Channels of layer emission are there if the image has them, and
-// those of layer variance with the beauty unless they are a bound. `name` is for messages.
-// SATIN_ERROR_INPUT, with one logged line, if the image has not all pixels or no such channels.
+// are those of the layer, or of the beauty if `layer` is NULL. Its window (satin_film_window) is
+// the box. Channels of layer emission are there if the image has them, and those of layer variance
+// with the beauty unless they are a bound. `name` is for messages. SATIN_ERROR_INPUT, with one
+// logged line, if the image has not all pixels or no such channels.
 satin_status film_select(const struct satin_film *film, const char *name, const char *layer,
                          const int box[4], struct log log, struct satin_film **out);
 // The error of each pixel of a selected image: the root of the mean of (x - r)^2 / (r^2 + 0.01)

@@ -78,8 +78,8 @@ static const float *picture_alpha(const struct satin_film *film, const satin_ton
 }
 
 // The planes of the light that is shown, as they are, or with `format` as a file of it has them.
-static struct film_light shown_light(const struct satin_film *film, const char *layer,
-                                     const satin_exr_format *format) {
+static struct film_light picture_light(const struct satin_film *film, const char *layer,
+                                       const satin_exr_format *format) {
     struct film_light light = {{shown_channel(film, layer, 'R'), shown_channel(film, layer, 'G'),
                                 shown_channel(film, layer, 'B')},
                                false,
@@ -99,7 +99,7 @@ static unsigned char *make_picture(const struct satin_film *film, const char *na
                                    satin_status *status) {
     static const satin_tonemap plain = {0};
     const satin_tonemap *map = tonemap ? tonemap : &plain;
-    const struct film_light light = shown_light(film, map->layer, format);
+    const struct film_light light = picture_light(film, map->layer, format);
     *status = SATIN_ERROR_ARGUMENT;
     if (!light.plane[0] || !light.plane[1] || !light.plane[2]) {
         const char *dot = map->layer ? "." : "", *layer = map->layer ? map->layer : "";

@@ -5,7 +5,7 @@ import struct
 
 
 def split_exr(path):
-    """The attributes of a file, by name as bytes, its bytes, and where its table of chunks begins."""
+    """The attributes of a file, by name as bytes, its bytes, and where the table of chunks is."""
     with open(path, "rb") as file:
         data = file.read()
     attributes, at = {}, 8
@@ -37,7 +37,7 @@ def read_exr(path):
     x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"])
     row = 4 * (x1 - x0 + 1)
     planes = {name: [] for name in names}
-    for offset in struct.unpack_from(f"<{y1 - y0 + 1}Q", data, at + 1):
+    for offset in struct.unpack_from(f"<{y1 - y0 + 1}Q", data, table):
         for i, name in enumerate(names):
             planes[name].append(data[offset + 8 + row * i:offset + 8 + row * (i + 1)])
     return attributes, planes
