@@ -167,8 +167,8 @@ void options_print_words(FILE *out, const satin_options *options,
     }
 }
 
-// Whether a field has a value that satin_options_set takes. Its text, which is parsed, is not that
-// of an enum below 0, nor that of a text without an end.
+// Whether a field has a value that satin_options_set takes: its text is parsed again, which shows
+// neither an enum below 0 nor a text without an end. *value gets the text.
 static bool is_in_range(const struct option *option, const satin_options *options, char *value,
                         size_t size) {
     satin_options parsed = {0};
@@ -178,9 +178,13 @@ static bool is_in_range(const struct option *option, const satin_options *option
         return false;
     }
     option_print(option, options, value, size);
-    if (!option_parse(option, value, &parsed)) return false;
-    return option->kind != OPTION_CHOICE ||
-           memcmp(in, (const char *)&parsed + option->offset, sizeof(int)) == 0;
+    bool ok = option_parse(option, value, &parsed);
+    if (option->kind != OPTION_CHOICE) return ok;
+    ok = ok && memcmp(in, (const char *)&parsed + option->offset, sizeof(int)) == 0;
+    int number;
+    memcpy(&number, in, sizeof number);
+    if (!ok) snprintf(value, size, "%d", number);
+    return ok;
 }
 
 satin_status options_check(const satin_options *options, struct log log) {

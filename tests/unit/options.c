@@ -117,6 +117,7 @@ static void structs_are_checked(void **state) {
     o = satin_options_default;
     memcpy(&o.quality, &below, sizeof below);
     assert_int_equal(options_check(&o, log), SATIN_ERROR_INPUT);
+    assert_string_equal(message.text, "option quality: '-1' is not in draft|preview|production");
     // The ends of ranges, also of those that a float does not have exactly.
     o = satin_options_default;
     o.radiance_error = 0.0001f;
