@@ -16,7 +16,8 @@ import subprocess
 import sys
 import tempfile
 
-FOREIGN = {"meson", "ninja", "apt-get", "pip", "sed"}  # other projects' commands, not checked
+# Commands of others, which are not checked.
+FOREIGN = {"meson", "ninja", "apt-get", "pip", "sed", "cc", "gdb", "git", "(cd"}
 CODE = {".c", ".h", ".cpp", ".py", ".build"}
 
 
@@ -73,6 +74,8 @@ class Checker:
         words = shlex.split(line, comments=True)
         while words and (words[0] in ("nice", "time", "-n", "10", "sudo") or "=" in words[0]):
             words = words[1:]
+        if words and words[0] == "mpirun":
+            words = words[next((i for i, word in enumerate(words) if "satin" in word), 0):]
         if ">" in words:
             words = words[:words.index(">")]
         if not words or words[0] in FOREIGN:
@@ -89,7 +92,9 @@ class Checker:
             if not (self.tree / words[1]).is_file():
                 yield f"there is no {words[1]}"
         elif program.startswith("build/"):
-            if not (self.tree / program.removeprefix("build/")).with_suffix(".c").is_file():
+            # A program of the tree, or an example that a command beside it compiles.
+            source = program.removeprefix("build/") + ".c"
+            if not any((self.tree / path).is_file() for path in (source, "docs/" + source)):
                 yield f"nothing builds {program}"
         elif not (self.tree / program).is_file():
             yield f"there is no {program}"
