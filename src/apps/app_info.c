@@ -113,8 +113,13 @@ static int read_info_arguments(struct app_args *args, struct info_request *r) {
 }
 
 static satin_status describe_file(const struct info_request *r) {
-    if (starts_as_image(r->path)) return describe_image(r->path);
-    if (app_info_starts(r->path, CACHE_FILE_MAGIC)) return app_info_cache(r->path);
+    const bool image = starts_as_image(r->path);
+    if (image || app_info_starts(r->path, CACHE_FILE_MAGIC)) {
+        if (!r->sensor && !r->defines)
+            return image ? describe_image(r->path) : app_info_cache(r->path);
+        return log_fail((struct log){app_log_file, NULL}, SATIN_ERROR_INPUT,
+                        "%s: it is no scene, for which alone --sensor and -D are", r->path);
+    }
     const bool stream = strncmp(r->path, "/dev/", 5) == 0;
     const satin_scene_request request = {.defines = r->define,
                                          .define_count = r->defines,

@@ -2,10 +2,12 @@
 // satin tonemap: a picture of an image or of one of its layers. Also reads the arguments that
 // choose exposure and tone mapping, which `satin render` has too.
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "apps/app.h"
+#include "base/log.h"
 #include "satin/film.h"
 
 enum {
@@ -51,6 +53,22 @@ int app_take_tonemap(const char *value, satin_tonemap *tonemap) {
     return app_wrong("--tonemap needs clip, filmic or agx, not '%s'", value);
 }
 
+// Whether the image has the channels of the layer that is to be shown, which else is reported.
+static bool has_layer(const satin_film *film, const char *image, const char *layer) {
+    const struct log log = {app_log_file, NULL};
+    char name[256];
+    bool all = true;
+    for (int i = 0; layer && i < 3; i++) {
+        snprintf(name, sizeof name, "%s.%c", layer, "RGB"[i]);
+        all = all && satin_film_channel(film, name);
+    }
+    if (!all)
+        log_fail(log, SATIN_ERROR_INPUT,
+                 "%s: it has no channels %s.R, G and B; a layer that is shown has colours", image,
+                 layer);
+    return all;
+}
+
 static int write_picture(const char *image, const char *path, const satin_tonemap *tonemap) {
     const struct app_input input[] = {{image, "the image"}, {NULL, NULL}};
     const struct app_output output = {path, FILEIO_APPEND, NULL};
@@ -58,6 +76,7 @@ static int write_picture(const char *image, const char *path, const satin_tonema
     satin_status status = satin_film_read(image, app_log_file, NULL, &film);
     if (status != SATIN_OK) return app_exit_of(status);
     int result = app_outputs_check(&output, 1, input);
+    if (result == APP_DONE && !has_layer(film, image, tonemap->layer)) result = APP_WRONG;
     if (result == APP_DONE)
         result = app_exit_of(satin_film_write_png(film, path, tonemap, app_log_file, NULL));
     satin_film_free(film);
