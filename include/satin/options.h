@@ -107,6 +107,7 @@ typedef struct satin_options {
     bool photon_area;         // divides by the area of the surface in the disc
 
     // Gathering.
+    bool final_gather;      // if off, the image shows what gather rays read, at what is seen
     bool gather_near;       // gather rays with hits nearer than the lookup radius continue for one
                             // bounce
     bool gather_direct;     // direct light at gather hits is from light samples instead of photons

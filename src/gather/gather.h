@@ -194,6 +194,11 @@ bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampl
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream);
 
+// The radiance that gather rays to p read there, without emitted light, if p is `depth` segments
+// from the eye. For first passes that have something stored, not for `path` and `none`.
+rgb gather_first_pass(const struct gather *g, struct gather_scratch *scratch,
+                      const struct shading_point *p, int depth, struct sampler sampler);
+
 // ---- The noise of the first pass (gather_noise.c) ----------------------------------------------
 
 // The noise of what single gather rays read at their hits, as standard deviations over the mean of

@@ -41,7 +41,7 @@ static float variance_by_photons(const struct gather *g, const struct gather_seg
                                        &E, &radius,           &entry};
     photon_irradiance_many(g->maps, g->scene, &one);
     const bool near = gather_is_near(g, y->interaction.t, radius, GATHER_NEAR_DISCS);
-    if (!gather_reads_photons(g, GATHER_HIT_DEPTH + segment->specular) ||
+    if (!gather_reads_photons(g, gather_hit_depth(g) + segment->specular) ||
         !gather_is_reliable(g, y, radius, near))
         return 0.0f;
     const rgb albedo = rgb_mul(segment->T, brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE));
@@ -54,7 +54,7 @@ static float variance_of_stored(const struct gather *g, const struct ray *ray, u
     const bool photons =
         g->maps && (first == SATIN_FIRST_PHOTONS || photon_precomputes(g->options));
     if (!photons && !g->next.gather) return 0.0f;
-    const struct gather_segment_start start = {.ray = *ray, .depth = GATHER_HIT_DEPTH - 1};
+    const struct gather_segment_start start = {.ray = *ray, .depth = gather_hit_depth(g) - 1};
     struct sampler sampler = {item, (uint32_t)g->options->seed, 0};
     struct gather_segment segment = {.first = GATHER_NOTHING};
     struct shading_point y;

@@ -27,7 +27,7 @@ static rgb density_irradiance(const struct gather *g, const struct gather_hit *h
     const struct shading_point *y = &hit->point;
     *radius = INFINITY;
     if (!(y->lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
-    const int bounces = photon_bounces_left(g->options, GATHER_HIT_DEPTH + hit->specular);
+    const int bounces = photon_bounces_left(g->options, gather_hit_depth(g) + hit->specular);
     rgb L = photon_radiance(g->maps, g->scene, y, BRDF_DIFFUSE, bounces, radius);
     rgb a = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
     return rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
@@ -49,7 +49,7 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
                                            hits->E, hits->radius, hits->entry};
     if (precomputed) photon_irradiance_many(g->maps, g->scene, &lookups);
     for (size_t i = 0; i < count; i++)
-        if (!gather_reads_photons(g, GATHER_HIT_DEPTH + hits->specular[i]))
+        if (!gather_reads_photons(g, gather_hit_depth(g) + hits->specular[i]))
             hits->E[i] = rgb_grey(0.0f);
 }
 
@@ -109,7 +109,7 @@ static void reflect_hits(const struct gather *g, struct gather_hits *hits, size_
             hits->E[i], hits->reliable[i], gather_direct_known(g, &hit->point, hits->entry[i]),
             samples_of_hit(hits->bright[i], mean)};
         const struct gather_cones *cones = near ? &near->cones : NULL;
-        const rgb L = gather_bounces(g, &hit->point, GATHER_HIT_DEPTH + hit->specular, estimate,
+        const rgb L = gather_bounces(g, &hit->point, gather_hit_depth(g) + hit->specular, estimate,
                                      cones, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
     }
@@ -127,7 +127,7 @@ static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32
                           const struct gather_segment *segment, bool found,
                           struct gather_hit *hit) {
     const satin_first_pass first_pass = g->options->first_pass;
-    const int depth = GATHER_HIT_DEPTH + segment->specular;
+    const int depth = gather_hit_depth(g) + segment->specular;
     hit->T = segment->T;
     hit->specular = segment->specular;
     hit->ray = ray;
@@ -151,6 +151,19 @@ static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32
         return found;
     }
     return false;
+}
+
+rgb gather_first_pass(const struct gather *g, struct gather_scratch *scratch,
+                      const struct shading_point *p, int depth, struct sampler sampler) {
+    if (g->options->first_pass == SATIN_FIRST_RECURSIVE) {
+        const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
+        return gather_bounces(g, p, depth, none, NULL, sampler);
+    }
+    struct gather_ray ray = {.pdf_w = 0.0f};
+    scratch->hits.hit[0] =
+        (struct gather_hit){*p, rgb_grey(1.0f), depth - gather_hit_depth(g), &ray, sampler};
+    reflect_hits(g, &scratch->hits, 1, NULL);
+    return ray.L;
 }
 
 // Sets rays that were not traced to misses.
@@ -179,7 +192,7 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
             struct gather_ray *ray = &rays[i];
             struct gather_hit *hit = &hits->hit[found];
             const struct gather_segment_start start = {ray->ray, ray->spread, ray->alpha_least,
-                                                       ray->lit, GATHER_HIT_DEPTH - 1};
+                                                       ray->lit, gather_hit_depth(g) - 1};
             struct gather_segment segment = {.first = GATHER_NOTHING};
             hit->sampler = (struct sampler){ray->item, seed, 0};
             const bool hits_surface =

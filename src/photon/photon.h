@@ -182,6 +182,11 @@ struct photon_beam {
     float fraction;  // of the power of the photons around the point
 };
 enum { PHOTON_BEAMS = 4 };
+// The number of segments from the eye to the first surface where photons are read: the hit of a
+// gather ray, or what is seen if nothing is gathered there.
+static inline int photon_hit_depth(const satin_options *o) {
+    return o->integrator == SATIN_TWO_PASS && o->final_gather ? 2 : 1;
+}
 // Finds the beams at p on the side of n, and returns their number.
 int photon_beams(const struct photon_maps *maps, vec3 p, vec3 n,
                  struct photon_beam out[PHOTON_BEAMS]);

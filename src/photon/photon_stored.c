@@ -63,10 +63,11 @@ static satin_status trace_caustic_pilot(const struct photon_request *request, st
 satin_status photon_count_stored(const struct photon_request *request, struct parallel *pool,
                                  struct log log, double *per_path) {
     const unsigned all = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT;
-    const struct photon_tracing tracing = {.scene = request->scene,
-                                           .seed = request->options->seed,
-                                           .consumer = {{.paths = BOUNCES_PATHS, .classes = all}},
-                                           .bounces = photon_bounces_left(request->options, 2)};
+    const struct photon_tracing tracing = {
+        .scene = request->scene,
+        .seed = request->options->seed,
+        .consumer = {{.paths = BOUNCES_PATHS, .classes = all}},
+        .bounces = photon_bounces_left(request->options, photon_hit_depth(request->options))};
     struct photon_trace trace;
     const satin_status status = trace_pilot(&tracing, pool, log, &trace);
     if (status == SATIN_OK) *per_path = stored_per_path(&trace, all);
@@ -85,7 +86,7 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
         .scene = request->scene,
         .seed = o->seed,
         .consumer = {{.paths = PILOT_PATHS, .classes = all, .allocation = &allocation}},
-        .bounces = photon_bounces_left(o, shown || passes ? 1 : 2)};
+        .bounces = photon_bounces_left(o, photon_hit_depth(o))};
     struct photon_trace global, caustic = {0};
     satin_status status = trace_pilot(&tracing, pool, log, &global);
     if (status == SATIN_OK && request->paths.caustic)

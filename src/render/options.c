@@ -24,6 +24,7 @@ const satin_options satin_options_default = {
     .caustic_smooth = true,
     .photon_area = true,
     .recursive_bounces = 3,
+    .final_gather = true,
     .texture_filter = true,
     .gather_near = true,
     .gather_direct = true,

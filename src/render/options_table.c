@@ -120,6 +120,10 @@ const struct option options_table[] = {
      "Divides density estimates by the area of the surface that lies inside the disc, not by the "
      "area of the disc."},
 
+    {"final-gather", OPTION_BOOL, AT(final_gather), false, "off|on",
+     "Gathers indirect light at what is seen. If off, the image shows the first pass directly: all "
+     "light is what a gather ray reads where it hits. First pass path then is integrator path, and "
+     "none is integrator direct."},
     {"gather-near", OPTION_BOOL, AT(gather_near), false, "off|on",
      "Gather rays whose hit is nearer than the photon lookup radius continue by diffuse bounces, "
      "until a segment is longer than the diameter of the lookup at its end."},

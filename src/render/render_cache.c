@@ -82,9 +82,10 @@ static struct cache_provenance provenance_of(const struct render *r, char **opti
 
 satin_status render_cache_open(struct render *r) {
     const char *path = r->callbacks.load_cache;
-    if ((path || r->callbacks.save_cache) && r->options.integrator != SATIN_TWO_PASS)
+    const bool records = r->options.integrator == SATIN_TWO_PASS && r->options.final_gather;
+    if ((path || r->callbacks.save_cache) && !records)
         return log_fail(r->log, SATIN_ERROR_INPUT,
-                        "only the integrator two-pass has cache records");
+                        "only the integrator two-pass with final-gather has cache records");
     if (r->callbacks.save_cache && fileio_files_have(&r->scene.read, r->callbacks.save_cache))
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: the scene was read from this file",
                         r->callbacks.save_cache);

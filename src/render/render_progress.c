@@ -35,6 +35,7 @@ enum {
 static const struct course_steps steps_of[] = {
     [COURSE_TWO_PASS] = {SATIN_TWO_PASS, PHOTONS | TABLES | RECORDS},
     [COURSE_SHORT_PATHS] = {SATIN_TWO_PASS, TABLES},
+    [COURSE_FIRST_PASS] = {SATIN_TWO_PASS, PHOTONS | TABLES | 1 << STAGE_BOUNCES},
     [COURSE_PHOTONS] = {SATIN_PHOTONS, PHOTONS},
     [COURSE_DIRECT] = {SATIN_DIRECT},
     [COURSE_PATHS] = {SATIN_PATH},
@@ -43,6 +44,12 @@ static const struct course_steps steps_of[] = {
     [COURSE_COARSE] = {SATIN_TWO_PASS, .coarse = true},
     [COURSE_COARSE_DIRECT] = {SATIN_DIRECT, .coarse = true},
 };
+
+// The first pass of two, seen directly: paths and direct light are what their integrators show.
+static enum render_course first_pass_course(satin_first_pass first_pass) {
+    if (first_pass == SATIN_FIRST_PATH) return COURSE_PATHS;
+    return first_pass == SATIN_FIRST_NONE ? COURSE_DIRECT : COURSE_FIRST_PASS;
+}
 
 enum render_course render_first_course(const satin_options *options) {
     switch (options->integrator) {
@@ -55,6 +62,7 @@ enum render_course render_first_course(const satin_options *options) {
         case SATIN_SPPM:
             return COURSE_SPPM;
         default:
+            if (!options->final_gather) return first_pass_course(options->first_pass);
             return gather_indirect(options, 1) ? COURSE_TWO_PASS : COURSE_SHORT_PATHS;
     }
 }

@@ -99,11 +99,11 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
     return status;
 }
 
-// The number of bounces that paths can have: the shortest path that uses a record of bounce 1
-// has four segments, from the eye to the light.
+// The number of bounces that paths can have: the shortest path that uses a record of bounce 1 has
+// two segments after it, to the light.
 static int bounces_wanted(const satin_options *o) {
     if (o->first_pass != SATIN_FIRST_RECURSIVE) return 0;
-    const int longest = o->max_depth - 3;
+    const int longest = o->max_depth - photon_hit_depth(o) - 1;
     return o->max_depth >= 0 && longest < o->recursive_bounces ? longest : o->recursive_bounces;
 }
 

@@ -29,6 +29,7 @@ enum render_course {
     // By the options:
     COURSE_TWO_PASS,     // photons, records and final gathering
     COURSE_SHORT_PATHS,  // as two passes, but paths are so short that there is no indirect light
+    COURSE_FIRST_PASS,   // the first pass is seen directly, without final gathering
     COURSE_PHOTONS,      // photons are seen directly
     COURSE_DIRECT,       // direct light alone
     COURSE_PATHS,        // path tracing, also if there is no time for photons

@@ -66,6 +66,15 @@ static void add_photon_radiance(struct shade_lighting *lighting) {
     *layer = rgb_fma(*layer, lighting->vertex->T, L);
 }
 
+// Without final gathering, all light at the point is what gather rays read there.
+static void add_first_pass(struct shade_lighting *lighting) {
+    const struct shade_vertex *v = lighting->vertex;
+    const rgb L = gather_first_pass(lighting->shade->g, lighting->worker->gather.scratch, &v->point,
+                                    v->depth, lighting->sampler);
+    lighting->worker->counts.points++;
+    shade_add_uncached(lighting, SHADE_INDIRECT_DIFFUSE, L);
+}
+
 static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
                         struct shade_sample *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
@@ -84,10 +93,10 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
                  uint32_t index, struct gather_light_samples light_samples,
                  struct shade_sample *out) {
-    const satin_integrator integrator = shade->g->options->integrator;
+    const satin_options *o = shade->g->options;
     *out = (struct shade_sample){0};
     worker->counts.samples++;
-    if (gather_traces_paths(shade->g->options)) {
+    if (gather_traces_paths(o)) {
         path_sample(shade, x, y, index, out);
         return;
     }
@@ -103,8 +112,10 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
         struct sampler own = {index, sampler.seed, 64u * (uint32_t)(i + 1)};
         struct shade_lighting lighting = {shade,         &eye.vertex[i],         worker, own,
                                           light_samples, rng_mix(pixel + index), pixel,  out};
-        if (integrator == SATIN_PHOTONS)
+        if (o->integrator == SATIN_PHOTONS)
             add_photon_radiance(&lighting);
+        else if (o->integrator == SATIN_TWO_PASS && !o->final_gather)
+            add_first_pass(&lighting);
         else
             shade_vertex_two_pass(&lighting);
     }

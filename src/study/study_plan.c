@@ -201,29 +201,24 @@ static satin_status plan_reference(struct planner *p, size_t *out) {
     return SATIN_OK;
 }
 
-// The integrator that shows the first pass of such a render directly, or NULL. The photon map of a
-// time limit depends on the whole render, and the paths of gather rays have no picture of their
-// own.
-static const char *first_pass_integrator(const satin_options *options) {
-    if (options->integrator != SATIN_TWO_PASS || options->time > 0.0) return NULL;
-    if (options->first_pass == SATIN_FIRST_NONE) return "direct";
-    const bool photons = options->first_pass == SATIN_FIRST_PRECOMPUTED ||
-                         options->first_pass == SATIN_FIRST_PHOTONS;
-    return photons ? "photons" : NULL;
-}
-
-// An image of the first pass. Options of the second pass are left out, so that points which
-// differ in these alone have one image of it.
+// An image of the first pass, shown directly. Options of the second pass are left out, so that
+// points which differ in these alone have one image of it; but `recursive` makes records by them.
+// With a time limit the photons depend on the whole render, so that there is no such image.
 static satin_status plan_first_pass(struct planner *p, const struct study_point *point,
                                     uint64_t seed, size_t *out) {
-    static const char *const without[] = {"integrator",        "first-pass",
-                                          "denoise",           "adaptive-cache",
-                                          "origin-shift",      "record-max-radius",
-                                          "leak-test",         "record-maps",
-                                          "material-cache",    "glossy-samples",
-                                          "recursive-bounces", "guide-clusters",
-                                          "guide-visibility",  NULL};
-    static const char *const prefix[] = {"irradiance", "radiance", "gather", "material.", NULL};
+    static const char *const always[] = {"denoise", "record-maps", NULL};
+    static const char *const without[] = {"denoise",
+                                          "record-maps",
+                                          "adaptive-cache",
+                                          "origin-shift",
+                                          "leak-test",
+                                          "record-max-radius",
+                                          "gather-radius",
+                                          "glossy-samples",
+                                          "recursive-bounces",
+                                          "guide-clusters",
+                                          NULL};
+    static const char *const prefix[] = {"irradiance", "radiance", NULL};
     const struct study *s = &p->plan->study;
     struct combined whole = {.count = 0}, set = {.count = 0};
     satin_options options;
@@ -231,12 +226,13 @@ static satin_status plan_first_pass(struct planner *p, const struct study_point 
     combine(&whole, &point->set, NULL, NULL);
     const satin_status status = resolve_settings(p, &whole, &options);
     if (status != SATIN_OK) return status;
-    const char *integrator = s->first_pass_view ? first_pass_integrator(&options) : NULL;
     *out = STUDY_NONE;
-    if (!integrator) return SATIN_OK;
-    combine_one(&set, "integrator", integrator);
-    combine(&set, &s->set, without, prefix);
-    combine(&set, &point->set, without, prefix);
+    if (!s->first_pass_view || options.integrator != SATIN_TWO_PASS || options.time > 0.0)
+        return SATIN_OK;
+    const bool records = options.first_pass == SATIN_FIRST_RECURSIVE;
+    combine(&set, &s->set, records ? always : without, records ? NULL : prefix);
+    combine(&set, &point->set, records ? always : without, records ? NULL : prefix);
+    combine_one(&set, "final-gather", "off");
     return plan_render(p, STUDY_FIRST_PASS, &set, seed, out);
 }
 

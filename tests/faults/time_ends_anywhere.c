@@ -29,6 +29,7 @@ static const struct timed_render timed_renders[] = {
     {"caustic.xml", {{NULL, NULL}}},
     {"cases/window.xml", {{"denoise", "on"}}},
     {"cases/spot-lamp.xml", {{"first-pass", "recursive"}, {"recursive-bounces", "1"}}},
+    {"cases/corner.xml", {{"first-pass", "recursive"}, {"final-gather", "off"}}},
     {"cases/spot-lamp.xml", {{"integrator", "sppm"}, {"spp", "3"}}},
     {"cases/corner.xml", {{"integrator", "path"}}},
     {"cases/corner.xml", {{"integrator", "photons"}}},

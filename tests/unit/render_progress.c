@@ -24,12 +24,33 @@ static void options_decide_the_first_course(void **state) {
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const satin_options o = {.integrator = cases[i].integrator,
-                                 .max_depth = cases[i].max_depth};
+                                 .max_depth = cases[i].max_depth,
+                                 .final_gather = true};
         assert_int_equal(render_first_course(&o), cases[i].course);
         struct render r = {0};
         render_take_course(&r, cases[i].course);
         assert_int_equal(r.options.integrator, cases[i].integrator);
         assert_false(render_steps(&r)->coarse);
+    }
+}
+
+static void without_final_gathering_the_first_pass_decides(void **state) {
+    (void)state;
+    const struct {
+        satin_first_pass first_pass;
+        enum render_course course;
+    } cases[] = {
+        {SATIN_FIRST_PRECOMPUTED, COURSE_FIRST_PASS},
+        {SATIN_FIRST_PHOTONS, COURSE_FIRST_PASS},
+        {SATIN_FIRST_REVERSE, COURSE_FIRST_PASS},
+        {SATIN_FIRST_RECURSIVE, COURSE_FIRST_PASS},
+        {SATIN_FIRST_PATH, COURSE_PATHS},
+        {SATIN_FIRST_NONE, COURSE_DIRECT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        satin_options o = {.integrator = SATIN_TWO_PASS, .max_depth = -1};
+        o.first_pass = cases[i].first_pass;
+        assert_int_equal(render_first_course(&o), cases[i].course);
     }
 }
 
@@ -74,6 +95,7 @@ static void the_time_that_is_left_is_that_of_the_whole_render(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_decide_the_first_course),
+        cmocka_unit_test(without_final_gathering_the_first_pass_decides),
         cmocka_unit_test(steps_follow_the_course),
         cmocka_unit_test(the_time_that_is_left_is_that_of_the_whole_render),
     };
