@@ -100,9 +100,16 @@ static char *copy_attribute(const struct satin_film *image, const char *name, bo
     return copy;
 }
 
-// Warns of an image that does not belong to those before it.
+// Refuses an image with other pixels, and warns of one that does not belong to those before it.
 static satin_status check_image(struct averaging *a, int i, const struct satin_film *image) {
+    const struct log log = {app_log_file, NULL};
+    const struct satin_film *mean = a->out;
     bool ok = true;
+    if (image->width != mean->width || image->height != mean->height || image->x != mean->x ||
+        image->y != mean->y || image->full_width != mean->full_width ||
+        image->full_height != mean->full_height)
+        return log_fail(log, SATIN_ERROR_INPUT, "%s: it has other pixels than %s", a->path[i],
+                        a->path[0]);
     if (memcmp(a->out->chromaticities, image->chromaticities, sizeof image->chromaticities) != 0)
         fprintf(stderr, "satin: warning: %s and %s have different chromaticities\n", a->path[i],
                 a->path[0]);
@@ -123,11 +130,6 @@ static satin_status add_image(struct averaging *a, const char *path,
                               const struct satin_film *image) {
     const struct log log = {app_log_file, NULL};
     const size_t pixels = mean_pixels(a->out);
-    if (image->width != a->out->width || image->height != a->out->height || image->x != a->out->x ||
-        image->y != a->out->y || image->full_width != a->out->full_width ||
-        image->full_height != a->out->full_height)
-        return log_fail(log, SATIN_ERROR_INPUT, "%s: it has other pixels than %s", path,
-                        a->path[0]);
     for (int i = 0; i < a->out->channel_count; i++) {
         if (i >= 3 && i < 6) continue;
         const char *name = a->out->channel_name[i];

@@ -43,7 +43,8 @@ static bool differing_option(const char *a, const char *b, satin_option_info *ou
     static const char *const free_options[] = {"seed",       "threads",     "memory", "time",
                                                "width",      "height",      "crop-x", "crop-y",
                                                "crop-width", "crop-height", "layers", NULL};
-    static const char *const timed[] = {"integrator", "first-pass", "quality", NULL};
+    static const char *const timed[] = {"integrator", "first-pass", "final-gather", "quality",
+                                        NULL};
     const bool limits = has_limit(a) && has_limit(b);
     for (int i = 0; satin_options_describe(&satin_options_default, i, out); i++) {
         if (text_is_one_of(out->name, free_options)) continue;

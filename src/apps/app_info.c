@@ -83,6 +83,28 @@ static bool starts_as_image(const char *path) {
     return app_info_starts(path, "\x76\x2f\x31\x01");
 }
 
+// ---- Files that are not described ---------------------------------------------------------------
+
+static const struct {
+    const char *magic, *what;
+} not_described[] = {
+    {"satinckp", "a checkpoint, with which `satin render --checkpoint FILE --resume` goes on"},
+    {"\x89PNG", "a PNG picture"},
+};
+
+// Says what the file is if it is one that is not described.
+static bool refuse_undescribed(const char *path) {
+    const struct log log = {app_log_file, NULL};
+    for (size_t i = 0; i < sizeof not_described / sizeof *not_described; i++) {
+        if (!app_info_starts(path, not_described[i].magic)) continue;
+        log_fail(log, SATIN_ERROR_INPUT,
+                 "%s: it is %s; info describes scenes, OpenEXR images and cache files", path,
+                 not_described[i].what);
+        return true;
+    }
+    return false;
+}
+
 // ---- The command --------------------------------------------------------------------------------
 
 struct info_request {
@@ -120,6 +142,7 @@ static satin_status describe_file(const struct info_request *r) {
         return log_fail((struct log){app_log_file, NULL}, SATIN_ERROR_INPUT,
                         "%s: it is no scene, for which alone --sensor and -D are", r->path);
     }
+    if (refuse_undescribed(r->path)) return SATIN_ERROR_INPUT;
     const bool stream = strncmp(r->path, "/dev/", 5) == 0;
     const satin_scene_request request = {.defines = r->define,
                                          .define_count = r->defines,
