@@ -25,8 +25,9 @@ extern "C" {
 // ends it. `rate` is the number of items of the stage per second, and `unit` their name; they are 0
 // and "" if items are not counted. `elapsed` is in seconds since the render began. `left` is the
 // number of seconds until the whole render ends: by the speed of the image so far, but at most what
-// is left of options->time, from which it is known in all stages. It does not include denoising
-// after an image without a time limit. Negative: not known, since the cost of a later stage is not.
+// is left of options->time, from which it is known in all stages. During records the image is taken
+// to last as long as it usually does after such records, so that the whole is right within half of
+// it or so. Denoising after an image without a time limit is not included. Negative: not known.
 // Of an animation, `frame` is the number of images that were begun, of `frames`, and `left`
 // includes all of them; else both are 0. Texts are static, and a stage has the same pointer in all
 // calls; the struct is valid during the call.

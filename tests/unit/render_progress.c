@@ -69,10 +69,19 @@ static void steps_follow_the_course(void **state) {
     assert_true(render_steps(&r)->coarse);
 }
 
-// Without a limit the end is known when the image has a speed; a limit is known in all stages.
+// Without a limit the end is known when the image has a speed, and estimated when the records have
+// one; a limit is known in all stages.
 static void the_time_that_is_left_is_that_of_the_whole_render(void **state) {
     (void)state;
-    struct render r = {.progress = {.stage = STAGE_RECORDS, .start = 100.0, .stage_start = 104.0}};
+    struct render r = {.progress = {.stage = STAGE_RECORDS, .start = 100.0, .stage_start = 104.0},
+                       .options = {.quality = SATIN_PREVIEW, .spp = 25}};
+    assert_true(render_progress_left(&r, 0.0, 8.0) < 0.0);
+    // Four seconds of records, and an image of 1.2 times the 12 seconds until then; or of twice as
+    // many samples.
+    assert_float_equal(render_progress_left(&r, 0.5, 8.0), 4.0 + 1.2 * 12.0, 1e-9);
+    r.options.spp = 50;
+    assert_float_equal(render_progress_left(&r, 0.5, 8.0), 4.0 + 2.4 * 12.0, 1e-9);
+    r.progress.stage = STAGE_PHOTONS;
     assert_true(render_progress_left(&r, 0.5, 8.0) < 0.0);
     r.progress.stage = STAGE_IMAGE;
     assert_true(render_progress_left(&r, 0.0, 8.0) < 0.0);
