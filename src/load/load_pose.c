@@ -120,12 +120,19 @@ satin_status load_pose_dim(struct load_state *loader, const struct xml_node *nod
     return SATIN_OK;
 }
 
+// Where the scene has the element of that id; the root if it has none.
+static struct log_place place_of_id(const struct load_state *loader, const char *id) {
+    for (size_t i = 0; i < loader->xml.id_count; i++)
+        if (strcmp(loader->xml.id[i].id, id) == 0) return loader->xml.id[i].node->place;
+    return loader->xml.root->place;
+}
+
 satin_status load_poses_check(struct load_state *loader) {
     for (size_t i = 0; i < loader->pose_count; i++) {
         const struct load_pose *pose = &loader->pose[i];
         const char *id = pose->pose->id;
         if (pose->used && pose->dims && !pose->lit) {
-            log_error_at(loader->log, loader->xml.root->place,
+            log_error_at(loader->log, place_of_id(loader, id),
                          "'%s' emits no light, so it has no intensity", id);
             return SATIN_ERROR_INPUT;
         }
