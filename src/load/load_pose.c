@@ -121,7 +121,7 @@ satin_status load_pose_dim(struct load_state *loader, const struct xml_node *nod
 }
 
 // Where the scene has the element of that id; the root if it has none.
-static struct log_place place_of_id(const struct load_state *loader, const char *id) {
+static struct log_place where_defined(const struct load_state *loader, const char *id) {
     for (size_t i = 0; i < loader->xml.id_count; i++)
         if (strcmp(loader->xml.id[i].id, id) == 0) return loader->xml.id[i].node->place;
     return loader->xml.root->place;
@@ -132,7 +132,7 @@ satin_status load_poses_check(struct load_state *loader) {
         const struct load_pose *pose = &loader->pose[i];
         const char *id = pose->pose->id;
         if (pose->used && pose->dims && !pose->lit) {
-            log_error_at(loader->log, place_of_id(loader, id),
+            log_error_at(loader->log, where_defined(loader, id),
                          "'%s' emits no light, so it has no intensity", id);
             return SATIN_ERROR_INPUT;
         }

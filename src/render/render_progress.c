@@ -87,7 +87,7 @@ static const double SPEED_DONE = 0.01, SPEED_SECONDS = 0.5;
 static const double IMAGE_OF_REST = 1.2;
 
 // The seconds that the image will take, where all before it takes `rest`.
-static double image_seconds(const satin_options *o, double rest) {
+static double usual_image_seconds(const satin_options *o, double rest) {
     return IMAGE_OF_REST * rest * (double)o->spp / options_quality_spp(o->quality);
 }
 
@@ -102,7 +102,7 @@ double render_progress_left(const struct render *r, double done, double elapsed)
     const bool priced = records || at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
     double left = INFINITY;
     if (priced && own > SPEED_DONE && seconds > SPEED_SECONDS) left = seconds * (1.0 - done) / own;
-    if (records) left += image_seconds(&r->options, elapsed + left);
+    if (records) left += usual_image_seconds(&r->options, elapsed + left);
     if (r->frames.view || r->motion.at_rest) left = render_frames_left(r, left, elapsed);
     left = fmin(left, limit);
     return isfinite(left) ? left : -1.0;
