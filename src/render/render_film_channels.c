@@ -118,6 +118,13 @@ static bool is_wanted(const char *layers, const char *channel) {
     return false;
 }
 
+// The integrator whose channels the image has: a first pass that is shown directly has those of a
+// photon map that is.
+static satin_integrator channels_of(const satin_options *options) {
+    const bool shown = options->integrator == SATIN_TWO_PASS && !options->final_gather;
+    return shown ? SATIN_PHOTONS : options->integrator;
+}
+
 static bool has_channel(const struct satin_scene *scene, const satin_options *options, int i) {
     if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) return false;
     if (i >= CHANNEL_NOISY && i < CHANNEL_VARIANCE && !options->denoise) return false;
@@ -129,7 +136,7 @@ static bool has_channel(const struct satin_scene *scene, const satin_options *op
     if (i >= CHANNEL_CRYPTOMATTE &&
         !((int)options->cryptomatte & 1 << (i - CHANNEL_CRYPTOMATTE) / CRYPTOMATTE_CHANNELS))
         return false;
-    return channels[i].by & 1u << options->integrator &&
+    return channels[i].by & 1u << channels_of(options) &&
            !is_aov(&scene->hints.aovs, channels[i].name);
 }
 
