@@ -284,6 +284,7 @@ static int compare_flag(struct compare_request *r, int flag, char *value) {
             r->help = true;
             return APP_DONE;
         case COMPARE_FLAG_LAYER:
+            if (!*value) return app_wrong("--layer needs the name of a layer");
             r->layer = value;
             return APP_DONE;
         case COMPARE_FLAG_ERROR_IMAGE:

@@ -100,6 +100,10 @@ static bool take_axis(struct study_reader *r, const struct toml_node *node, stru
         if ((value->kind == TOML_TABLE) != together)
             return toml_wrong(&r->toml, node, "its values must all be tables of options, or none");
         if (!take_value(r, node, value, &axis->value[i])) return false;
+        for (size_t k = 0; k < i && together; k++)
+            if (strcmp(axis->value[k].label, axis->value[i].label) == 0)
+                return toml_wrong(&r->toml, node, "two of its values are called '%s'",
+                                  axis->value[i].label);
     }
     axis->column = column_of(r, node->key, !together);
     if (axis->column == SIZE_MAX) return false;

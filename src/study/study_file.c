@@ -261,6 +261,9 @@ static bool take_reference(struct study_reader *r, const struct toml_node *table
     if (!spp) return toml_wrong(&r->toml, table, "it needs the key 'spp'");
     if (!take_count(r, spp, 2, 1e9, &s->reference_spp)) return false;
     if (pieces && !take_count(r, pieces, 2, PIECES_MAX, &count)) return false;
+    if (pieces && count > s->reference_spp)
+        return toml_wrong(&r->toml, pieces, "each piece needs a sample, and spp is %llu",
+                          (unsigned long long)s->reference_spp);
     if (count > s->reference_spp) count = s->reference_spp;
     s->reference_pieces = count;
     for (size_t i = 0; set && i < set->count; i++)

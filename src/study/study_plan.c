@@ -250,8 +250,7 @@ static satin_status check_reference(struct planner *p) {
     if (!scene->reference) return SATIN_OK;
     combine(&set, &s->set, NULL, NULL);
     satin_status status = resolve_settings(p, &set, &options);
-    if (status == SATIN_OK)
-        status = satin_film_read(scene->reference, p->log.fn, p->log.user, &film);
+    if (status == SATIN_OK) status = satin_film_read(scene->reference, log_at_point, p, &film);
     if (status != SATIN_OK) return status;
     satin_film_size(film, &w, &h);
     satin_film_free(film);
@@ -263,8 +262,8 @@ static satin_status check_reference(struct planner *p) {
     return SATIN_ERROR_INPUT;
 }
 
-// Passes on what loading a scene logs. An error that names a definition, and no line of the scene,
-// is at the line of the study that has the definition.
+// Passes on what loading a scene logs. An error that names no line of the scene is at the line of
+// the study that has the scene or, if the error names it, the definition.
 static void log_load(void *user, satin_log_severity severity, const char *message) {
     const struct planner *p = user;
     const struct study_scene *scene = &p->plan->study.scene[p->at];
@@ -276,6 +275,10 @@ static void log_load(void *user, satin_log_severity severity, const char *messag
         snprintf(quoted, sizeof quoted, "'%s'", scene->define[i].name);
         if (severity != SATIN_LOG_ERROR || !strstr(message, quoted)) continue;
         log_error_at(p->log, scene->define_at[i], "%s", message);
+        return;
+    }
+    if (severity == SATIN_LOG_ERROR && whole_scene) {
+        log_error_at(p->log, scene->at, "%s", message);
         return;
     }
     if (p->log.fn) p->log.fn(p->log.user, severity, message);
