@@ -204,7 +204,7 @@ static void print_lights(const struct satin_scene *scene) {
     printf("lights     %" PRIu32 "\n", scene->light_count);
     for (uint32_t i = 0; i < scene->light_count && i < SHOWN; i++) {
         const struct light *light = &scene->light[i];
-        printf("  %-12s power %.4g W (%.3g %%)\n",
+        printf("  %-2" PRIu32 " %-12s power %.4g W (%.3g %%)\n", i,
                light->sun_chord > 0.0f ? "sunsky" : name[light->kind], (double)light->power,
                total > 0.0 ? 100.0 * (double)light->power / total : 0.0);
     }

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { STATS_ENTRIES = 256, STATS_NAME = 48 };
+enum { STATS_ENTRIES = 384, STATS_NAME = 48 };
 
 struct stats_entry {
     char name[STATS_NAME];  // "stage.quantity"; the unit ends the name (_s, _bytes), counts have

@@ -79,6 +79,11 @@ static inline bool photon_is_on_surface(vec3 n, vec3 m, float height, float r2) 
 struct photon_power {
     double emitted, absorbed, escaped, ended;
 };
+// It is known for each light of a scene; the last one of many stands for all that follow, too.
+enum { PHOTON_POWERS = 16 };
+static inline uint32_t photon_power_index(uint32_t light) {
+    return light < PHOTON_POWERS ? light : PHOTON_POWERS - 1;
+}
 
 // The photons of a tracing pass for one consumer. From malloc; freed by photon_trace_free.
 struct photon_trace {
@@ -87,7 +92,7 @@ struct photon_trace {
     uint64_t emitted;  // number of paths that were started for this consumer
     uint64_t refused;  // photons of the pass that were not finite, for any consumer
     uint64_t stored[PHOTON_CLASSES];
-    struct photon_power power;  // of all paths of the pass; 0 for a caustic pass
+    struct photon_power power[PHOTON_POWERS];  // of all paths of the pass; 0 for a caustic pass
 };
 
 // A consumer of the photons of a pass. It gets them as if the pass had only these paths.
@@ -106,6 +111,9 @@ struct photon_tracing {
     // Caustic pass: where paths start, and how many; paths end at their first smooth scattering.
     // NULL: a pass for all photons.
     const struct guide_emission *emission;
+    // Paths of all batches of which this pass is one, each of which emits all light: its power is
+    // that of its paths among them. 0: it is the only one.
+    uint64_t batches;
     bool passing;  // photons serve only until the results of their pass or batch are written
 };
 

@@ -112,7 +112,8 @@ struct photon_walk {
     float unit;      // the largest component of the power with which the path began
     struct rng *rng;
     struct photon_chunk *chunk;
-    int *parts;  // photons into which those of the path were split so far
+    struct photon_power *power;  // of the chunk's paths from the same light
+    int *parts;                  // photons into which those of the path were split so far
 };
 
 static double luminous(const struct photon_path *photon) {
@@ -164,7 +165,7 @@ static bool scatter(const struct photon_walk *walk, const struct photon_surface 
 static bool arrive(const struct photon_walk *walk, struct photon_path *photon, int bounce,
                    struct photon_surface *at, struct interaction *s) {
     if (!scene_intersect(walk->scene, &photon->ray, s)) {
-        walk->chunk->power.escaped += luminous(photon);
+        walk->power->escaped += luminous(photon);
         return false;
     }
     photon->bounces = (uint8_t)(bounce < PHOTON_BOUNCES_MOST ? bounce : PHOTON_BOUNCES_MOST);
@@ -174,7 +175,7 @@ static bool arrive(const struct photon_walk *walk, struct photon_path *photon, i
         !store_photon(walk->scene, walk->chunk, s, photon))
         return false;
     if (photon_surface_make(walk->scene, s, wi, at)) return true;
-    walk->chunk->power.absorbed += luminous(photon);
+    walk->power->absorbed += luminous(photon);
     return false;
 }
 
@@ -191,7 +192,7 @@ static void follow(const struct photon_walk *walk, struct photon_path photon, in
         for (int i = 0; i < count; i++) {
             struct photon_path scattered = photon;
             goes_on = scatter(walk, &at, &scattered);
-            walk->chunk->power.absorbed += goes_on ? before - luminous(&scattered) : before;
+            walk->power->absorbed += goes_on ? before - luminous(&scattered) : before;
             if (i == count - 1)
                 photon = scattered;
             else if (goes_on)
@@ -199,13 +200,19 @@ static void follow(const struct photon_walk *walk, struct photon_path photon, in
         }
         if (!goes_on) return;
     }
-    walk->chunk->power.ended += luminous(&photon);
+    walk->power->ended += luminous(&photon);
 }
 
 void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
                         struct photon_path photon, struct rng *rng, struct photon_chunk *chunk) {
     int parts = 0;
-    const struct photon_walk walk = {
-        scene, caustic ? BRDF_DELTA : BRDF_ALL, bounces, rgb_max(photon.power), rng, chunk, &parts};
+    const struct photon_walk walk = {.scene = scene,
+                                     .lobes = caustic ? BRDF_DELTA : BRDF_ALL,
+                                     .bounces = bounces,
+                                     .unit = rgb_max(photon.power),
+                                     .rng = rng,
+                                     .chunk = chunk,
+                                     .power = &chunk->power[photon_power_index(photon.light)],
+                                     .parts = &parts};
     follow(&walk, photon, 0);
 }

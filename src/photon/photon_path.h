@@ -16,15 +16,16 @@ struct photon_stored {
 
 struct photon_chunk {
     struct photon_stored photons[PHOTON_CONSUMERS];
-    struct photon_power power;  // of its paths
-    uint64_t refused;           // number of photons that are not finite
-    bool failed;                // whether memory ran out
+    struct photon_power power[PHOTON_POWERS];  // of its paths
+    uint64_t refused;                          // number of photons that are not finite
+    bool failed;                               // whether memory ran out
 };
 
 // A photon on its way.
 struct photon_path {
     struct ray ray;
     rgb power;
+    uint32_t light;   // index of the light that emitted it
     uint8_t bounces;  // these as in photon_hit
     bool last;
     uint8_t path;

@@ -155,7 +155,7 @@ static void pack_counts(void *ctx, size_t begin, size_t end, struct bytes *out) 
     bytes_put_u64(out, run->trace.emitted);
     bytes_put_u64(out, run->trace.refused);
     bytes_put(out, run->trace.stored, sizeof run->trace.stored);
-    bytes_put(out, &run->trace.power, sizeof run->trace.power);
+    bytes_put(out, run->trace.power, sizeof run->trace.power);
 }
 
 static bool unpack_counts(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
@@ -165,7 +165,7 @@ static bool unpack_counts(void *ctx, size_t begin, size_t end, struct bytes_read
     run->trace.emitted = bytes_get_u64(in);
     run->trace.refused = bytes_get_u64(in);
     bytes_get(in, run->trace.stored, sizeof run->trace.stored);
-    bytes_get(in, &run->trace.power, sizeof run->trace.power);
+    bytes_get(in, run->trace.power, sizeof run->trace.power);
     return true;
 }
 
@@ -229,21 +229,8 @@ static satin_status add_batch(struct reverse_run *run, uint64_t batch, struct pa
         photon_map_free(&run->map);
         if (status != SATIN_OK) return status;
     }
-    struct photon_power *power = &run->trace.power;
-    power->emitted *= (double)run->weight;
-    power->absorbed *= (double)run->weight;
-    power->escaped *= (double)run->weight;
-    power->ended *= (double)run->weight;
     photon_trace_count(&run->trace, stats);
     return parallel_status(pool) == SATIN_OK ? SATIN_OK : SATIN_CANCELLED;
-}
-
-// The power of each batch is that of the lights: that of the first one counts with its weight too.
-static void count_first(struct stats *stats, double weight) {
-    static const char *const name[] = {"photons.power_emitted", "photons.power_absorbed",
-                                       "photons.power_escaped", "photons.power_ended"};
-    for (size_t i = 0; i < sizeof name / sizeof *name; i++)
-        stats_set(stats, name[i], weight * stats_get(stats, name[i]));
 }
 
 satin_status photon_reverse_add(const struct photon_reverse *what, struct photon_map *first,
@@ -264,7 +251,6 @@ satin_status photon_reverse_add(const struct photon_reverse *what, struct photon
         irradiance->E[i] = rgb_scale(irradiance->E[i], weight);
         if (irradiance->last) irradiance->last[i] = rgb_scale(irradiance->last[i], weight);
     }
-    count_first(stats, (double)weight);
     for (uint64_t b = 1; b < what->batches && status == SATIN_OK; b++)
         status = add_batch(&run, b, pool, log, stats);
     size_t refused = 0;

@@ -5,6 +5,7 @@
 // first paths of each range, which are stratified too.
 #include <limits.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,6 +102,7 @@ static bool start_path(const struct run *run, uint32_t light, uint64_t index,
     const float paths = (float)(run->first[light + 1] - run->first[light]);
     *photon = (struct photon_path){.ray = start.ray,
                                    .power = rgb_scale(start.power, factor / paths),
+                                   .light = light,
                                    .chain = light_chain_begin(start.ray.d)};
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (index >= run->paths[k][light]) continue;
@@ -127,7 +129,7 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
         struct photon_path photon;
         if (!start_path(run, light, path - run->first[light], &photon, &chunk->refused)) continue;
         photon.path = (uint8_t)(rng_mix(path) >> 58);
-        chunk->power.emitted += (double)rgb_luminance(photon.power);
+        chunk->power[photon_power_index(light)].emitted += (double)rgb_luminance(photon.power);
         photon_path_follow(tracing->scene, tracing->emission != NULL, tracing->bounces, photon,
                            &rng, chunk);
     }
@@ -145,7 +147,7 @@ static void pack_photons(void *ctx, size_t begin, size_t end, struct bytes *out)
     (void)end;
     out->failed = out->failed || atomic_load(&run->failed);
     bytes_put_u64(out, chunk->refused);
-    bytes_put(out, &chunk->power, sizeof chunk->power);
+    bytes_put(out, chunk->power, sizeof chunk->power);
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         const struct photon_stored *photons = &chunk->photons[k];
         bytes_put_u64(out, photons->count);
@@ -160,7 +162,7 @@ static bool unpack_photons(void *ctx, size_t begin, size_t end, struct bytes_rea
     size_t own = 0;
     (void)end;
     chunk->refused = bytes_get_u64(in);
-    bytes_get(in, &chunk->power, sizeof chunk->power);
+    bytes_get(in, chunk->power, sizeof chunk->power);
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         struct photon_stored *photons = &chunk->photons[k];
         const uint64_t count = bytes_get_u64(in);
@@ -196,8 +198,22 @@ static void copy_chunks(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
+// Adds a fraction of the power of a chunk.
+static void add_power(const struct photon_chunk *chunk, double fraction,
+                      struct photon_power sum[PHOTON_POWERS]) {
+    for (int i = 0; i < PHOTON_POWERS; i++) {
+        sum[i].emitted += fraction * chunk->power[i].emitted;
+        sum[i].absorbed += fraction * chunk->power[i].absorbed;
+        sum[i].escaped += fraction * chunk->power[i].escaped;
+        sum[i].ended += fraction * chunk->power[i].ended;
+    }
+}
+
 // Joins the chunks in order.
 static satin_status join(struct run *run, size_t chunks, int consumer, struct photon_trace *out) {
+    const struct photon_tracing *tracing = run->tracing;
+    const double paths = (double)tracing->consumer[0].paths,
+                 fraction = tracing->batches ? paths / (double)tracing->batches : 1.0;
     struct photon_trace trace = {.hit = NULL};
     for (size_t i = 0; i < chunks; i++) {
         struct photon_stored *photons = &run->chunk[i].photons[consumer];
@@ -212,16 +228,11 @@ static satin_status join(struct run *run, size_t chunks, int consumer, struct ph
         free(trace.hit);
         return SATIN_CANCELLED;
     }
-    for (uint32_t i = 0; i < run->tracing->scene->light_count; i++)
+    for (uint32_t i = 0; i < tracing->scene->light_count; i++)
         trace.emitted += run->paths[consumer][i];
     for (size_t i = 0; i < chunks; i++) {
-        const struct photon_power *power = &run->chunk[i].power;
         trace.refused += run->chunk[i].refused;
-        if (run->tracing->emission) continue;
-        trace.power.emitted += power->emitted;
-        trace.power.absorbed += power->absorbed;
-        trace.power.escaped += power->escaped;
-        trace.power.ended += power->ended;
+        if (!tracing->emission) add_power(&run->chunk[i], fraction, trace.power);
     }
     *out = trace;
     return SATIN_OK;
@@ -287,13 +298,33 @@ void photon_trace_free(struct photon_trace *trace) {
     trace->count = 0;
 }
 
+// ---- Statistics ---------------------------------------------------------------------------------
+
+// Adds the power of the paths of a light, or of all (-1), to the statistics of this.
+static void count_power(const struct photon_power *power, int light, struct stats *stats) {
+    const struct {
+        const char *name;
+        double value;
+    } entry[] = {{"emitted", power->emitted},
+                 {"absorbed", power->absorbed},
+                 {"escaped", power->escaped},
+                 {"ended", power->ended}};
+    for (size_t i = 0; i < sizeof entry / sizeof *entry; i++) {
+        char name[STATS_NAME];
+        if (light < 0)
+            snprintf(name, sizeof name, "photons.power_%s", entry[i].name);
+        else
+            snprintf(name, sizeof name, "photons.light_%d.power_%s", light, entry[i].name);
+        stats_add(stats, name, entry[i].value);
+    }
+}
+
 void photon_trace_count(const struct photon_trace *trace, struct stats *stats) {
     stats_add(stats, "photons.emitted", (double)trace->emitted);
     stats_add(stats, "photons.refused", (double)trace->refused);
-    stats_add(stats, "photons.power_emitted", trace->power.emitted);
-    stats_add(stats, "photons.power_absorbed", trace->power.absorbed);
-    stats_add(stats, "photons.power_escaped", trace->power.escaped);
-    stats_add(stats, "photons.power_ended", trace->power.ended);
+    for (int i = 0; i < PHOTON_POWERS; i++) count_power(&trace->power[i], -1, stats);
+    for (int i = 0; i < PHOTON_POWERS; i++)
+        if (trace->power[i].emitted > 0.0) count_power(&trace->power[i], i, stats);
     stats_add(stats, "photons.stored_direct", (double)trace->stored[PHOTON_DIRECT]);
     stats_add(stats, "photons.stored_caustic", (double)trace->stored[PHOTON_CAUSTIC]);
     stats_add(stats, "photons.stored_indirect", (double)trace->stored[PHOTON_INDIRECT]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The balance of power: what photons bring from each kind of light is what the light emits, and is
-// absorbed or leaves the scene. The number of photons of a path, and their factor for light about a
+// The balance of power: what photons bring from each light is what the light emits, and is absorbed
+// or leaves the scene. The number of photons of a path, and their factor for light about a
 // shading normal.
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,22 +15,32 @@
 
 enum { PHOTON_PATH_PATHS = 1 << 17 };
 
+// Traces the paths, and sets the power of each light. Returns that of all.
 static struct photon_power photon_path_trace(const struct test_scene *t, uint64_t paths,
-                                             int bounces) {
+                                             int bounces,
+                                             struct photon_power light[PHOTON_POWERS]) {
     struct parallel *pool = parallel_new(2);
     assert_non_null(pool);
     const struct photon_tracing tracing = {
         .scene = &t->scene, .seed = 1, .consumer = {{paths, 0, NULL}}, .bounces = bounces};
     struct photon_trace trace[PHOTON_CONSUMERS] = {{0}};
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
-    const struct photon_power power = trace[0].power;
+    struct photon_power all = {0};
+    for (int i = 0; i < PHOTON_POWERS; i++) {
+        const struct photon_power *power = &trace[0].power[i];
+        if (light) light[i] = *power;
+        all.emitted += power->emitted;
+        all.absorbed += power->absorbed;
+        all.escaped += power->escaped;
+        all.ended += power->ended;
+    }
     for (int k = 0; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
     parallel_free(pool);
-    return power;
+    return all;
 }
 
 static struct photon_power photon_path_balance(const struct test_scene *t, int bounces) {
-    return photon_path_trace(t, PHOTON_PATH_PATHS, bounces);
+    return photon_path_trace(t, PHOTON_PATH_PATHS, bounces, NULL);
 }
 
 // The lamps of the cases, with the power that they emit by their definition [W]; 0: it depends on
@@ -42,7 +52,8 @@ struct photon_path_case {
 };
 
 // A floor with a glass ball, a metal ball and a glossy wall, under a sphere that can be a lamp.
-static void photon_path_scene(struct test_scene *t, struct light light) {
+static void photon_path_scene(struct test_scene *t, const struct photon_path_case *lights,
+                              int count) {
     test_scene_init(t);
     test_rectangle(t, test_transform(v3(0, 0, 0), v3(3, 3, 3)), test_diffuse(t, .7f, .5f, .3f));
     test_quadric(t, SHAPE_SPHERE, test_transform(v3(-1, 0, .5f), v3(.5f, .5f, .5f)), false,
@@ -51,47 +62,97 @@ static void photon_path_scene(struct test_scene *t, struct light light) {
                  test_material(t, "roughconductor", rgb_grey(0), rgb_grey(1)));
     test_cube(t, test_transform(v3(0, 2, 1), v3(2, .1f, 1)), false,
               test_material(t, "phong", rgb_grey(.4f), rgb_grey(.4f)));
-    light.shape = test_quadric(t, SHAPE_SPHERE, test_transform(v3(0, 0, 2), v3(.2f, .2f, .2f)),
-                               false, test_diffuse(t, .5f, .5f, .5f));
-    if (light.kind == LIGHT_AREA)
-        test_area_light(t, light.shape, light.value);
-    else
-        test_light(t, light);
+    const uint32_t lamp =
+        test_quadric(t, SHAPE_SPHERE, test_transform(v3(0, 0, 2), v3(.2f, .2f, .2f)), false,
+                     test_diffuse(t, .5f, .5f, .5f));
+    for (int i = 0; i < count; i++) {
+        if (lights[i].light.kind == LIGHT_AREA)
+            test_area_light(t, lamp, lights[i].light.value);
+        else
+            test_light(t, lights[i].light);
+    }
     test_scene_finish(t);
+}
+
+enum { PHOTON_PATH_CASES = 5 };
+static const struct photon_path_case photon_path_cases[PHOTON_PATH_CASES] = {
+    {"area", {.kind = LIGHT_AREA, .value = {1, 1, 1}}, 4.0 * M_PI *M_PI * .04},
+    {"point", {.kind = LIGHT_POINT, .value = {1, 1, 1}, .position = {0, -1, 1}}, 4.0 * M_PI},
+    {"spot",
+     {.kind = LIGHT_SPOT,
+      .value = {1, 1, 1},
+      .position = {0, -1, 1.5f},
+      .direction = {0, 0, -1},
+      .cos_beam = .9f,
+      .cos_cutoff = .9f},
+     2.0 * M_PI * .1},
+    {"directional", {.kind = LIGHT_DIRECTIONAL, .value = {1, 1, 1}, .direction = {0, 0, -1}}, 0.0},
+    {"constant", {.kind = LIGHT_CONSTANT, .value = {1, 1, 1}}, 0.0}};
+
+// What a light emits is its power, and is absorbed or escapes.
+static void photon_path_check(const char *name, const struct photon_power *power, double expected) {
+    print_message("%s: of %.5f W %.5f emitted, %.5f absorbed, %.5f escaped, %.2g ended\n", name,
+                  expected, power->emitted, power->absorbed, power->escaped, power->ended);
+    assert_true(fabs(power->emitted / expected - 1.0) < 1e-4);
+    assert_true(fabs((power->absorbed + power->escaped) / power->emitted - 1.0) < 1e-4);
+    assert_true(power->absorbed > 0.05 * power->emitted);
+    assert_true(power->escaped > 0.05 * power->emitted);
 }
 
 static void power_is_absorbed_or_escapes(void **state) {
     (void)state;
-    const rgb white = rgb_grey(1.0f);
-    const struct photon_path_case cases[] = {
-        {"area", {.kind = LIGHT_AREA, .value = white}, 4.0 * M_PI * M_PI * .04},
-        {"point", {.kind = LIGHT_POINT, .value = white, .position = v3(0, -1, 1)}, 4.0 * M_PI},
-        {"spot",
-         {.kind = LIGHT_SPOT,
-          .value = white,
-          .position = v3(0, -1, 1.5f),
-          .direction = v3(0, 0, -1),
-          .cos_beam = .9f,
-          .cos_cutoff = .9f},
-         2.0 * M_PI * .1},
-        {"directional",
-         {.kind = LIGHT_DIRECTIONAL, .value = white, .direction = v3(0, 0, -1)},
-         0.0},
-        {"constant", {.kind = LIGHT_CONSTANT, .value = white}, 0.0}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (int i = 0; i < PHOTON_PATH_CASES; i++) {
         struct test_scene t;
-        photon_path_scene(&t, cases[i].light);
-        const double expected =
-            cases[i].power > 0.0 ? cases[i].power : (double)t.scene.light[0].power;
+        photon_path_scene(&t, &photon_path_cases[i], 1);
         const struct photon_power power = photon_path_balance(&t, -1);
-        print_message("%s: of %.5f W %.5f emitted, %.5f absorbed, %.5f escaped, %.2g ended\n",
-                      cases[i].name, expected, power.emitted, power.absorbed, power.escaped,
-                      power.ended);
-        assert_true(fabs(power.emitted / expected - 1.0) < 1e-4);
-        assert_true(fabs((power.absorbed + power.escaped) / power.emitted - 1.0) < 1e-4);
-        assert_true(power.absorbed > 0.05 * power.emitted && power.escaped > 0.05 * power.emitted);
+        photon_path_check(photon_path_cases[i].name, &power,
+                          photon_path_cases[i].power > 0.0 ? photon_path_cases[i].power
+                                                           : (double)t.scene.light[0].power);
         test_scene_free(&t);
     }
+}
+
+// Lights of one scene each have their own balance. As much of one is absorbed as if it were alone:
+// five deviations of their paths, by which absorption is drawn.
+static void power_is_that_of_each_light(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_power power[PHOTON_POWERS];
+    photon_path_scene(&t, photon_path_cases, PHOTON_PATH_CASES);
+    const struct photon_power all = photon_path_trace(&t, PHOTON_PATH_PATHS, -1, power);
+    for (int i = 0; i < PHOTON_PATH_CASES; i++) {
+        struct test_scene alone;
+        photon_path_check(photon_path_cases[i].name, &power[i], (double)t.scene.light[i].power);
+        photon_path_scene(&alone, &photon_path_cases[i], 1);
+        const struct photon_power one = photon_path_balance(&alone, -1);
+        const double fraction = one.absorbed / one.emitted,
+                     paths = PHOTON_PATH_PATHS * power[i].emitted / all.emitted;
+        assert_true(fabs(power[i].absorbed / power[i].emitted - fraction) < 2.5 / sqrt(paths));
+        test_scene_free(&alone);
+    }
+    test_scene_free(&t);
+}
+
+// If there are many lights, the last power is that of all further ones.
+static void further_lights_are_counted_together(void **state) {
+    (void)state;
+    enum { LIGHTS = PHOTON_POWERS + 4 };
+    struct test_scene t;
+    struct photon_power power[PHOTON_POWERS];
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, .5f, .5f, .5f));
+    for (int i = 0; i < LIGHTS; i++)
+        test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey((float)(1 + i))});
+    test_scene_finish(&t);
+    photon_path_trace(&t, PHOTON_PATH_PATHS, -1, power);
+    double further = 0.0;
+    for (int i = PHOTON_POWERS - 1; i < LIGHTS; i++) further += 4.0 * M_PI * (1 + i);
+    for (int i = 0; i < PHOTON_POWERS; i++) {
+        const double expected = i < PHOTON_POWERS - 1 ? 4.0 * M_PI * (1 + i) : further;
+        assert_true(fabs(power[i].emitted / expected - 1.0) < 1e-4);
+        assert_true(fabs(power[i].absorbed / expected - 1.0) < 1e-4);
+    }
+    test_scene_free(&t);
 }
 
 // A disc under a point light meets (1 - cos) / 2 of its light, and absorbs that but for
@@ -140,7 +201,7 @@ static void paths_of_growing_power_end(void **state) {
     test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, 4, 4, 4));
     test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1)});
     test_scene_finish(&t);
-    const struct photon_power power = photon_path_trace(&t, PATHS, BOUNCES);
+    const struct photon_power power = photon_path_trace(&t, PATHS, BOUNCES, NULL);
     assert_true(fabs(power.ended / (power.emitted * pow(4.0, BOUNCES + 1)) - 1.0) < 1e-4);
     test_scene_free(&t);
 }
@@ -260,8 +321,8 @@ static void scatter_at_tilted_normal(float a, bool upright) {
         sum += (double)trace[0].hit[k].power.g;
         most = fmax(most, (double)trace[0].hit[k].power.g);
     }
-    sum /= trace[0].power.emitted;
-    most *= (1 << 16) / trace[0].power.emitted;
+    sum /= trace[0].power[0].emitted;
+    most *= (1 << 16) / trace[0].power[0].emitted;
     const double front = fmax(cosf(a - b), 0.0), mirrored = upright ? fmax(cosf(a + b), 0.0) : 0.0;
     const double both = front * (1.0 + cos((double)b)) + mirrored * (1.0 - cos((double)b));
     const double expected = (double)albedo * both / (2.0 * (double)cosf(a));
@@ -307,7 +368,7 @@ static void mirrored_photons_stay_whole(void **state) {
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
     double sum = 0.0;
     for (size_t k = 0; k < trace[0].count; k++) sum += (double)trace[0].hit[k].power.g;
-    sum /= trace[0].power.emitted;
+    sum /= trace[0].power[0].emitted;
     const double expected = (double)(cosf(a - 2.0f * b) / cosf(a));
     print_message("%zu photons of %d paths, %.4f of the power, %.4f expected\n", trace[0].count,
                   PATHS, sum, expected);
@@ -322,6 +383,8 @@ static void mirrored_photons_stay_whole(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(power_is_absorbed_or_escapes),
+        cmocka_unit_test(power_is_that_of_each_light),
+        cmocka_unit_test(further_lights_are_counted_together),
         cmocka_unit_test(fractions_are_those_of_the_scene),
         cmocka_unit_test(paths_of_growing_power_end),
         cmocka_unit_test(paths_store_by_albedo),
