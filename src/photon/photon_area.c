@@ -13,6 +13,7 @@
 #define DEPTH 0.35f           // how far the surface may curve below the tangent plane
 #define EXTENT_MIN .02f       // limits 1 / extent
 #define CLEARING 2.5f         // radius of a clearing
+#define CLEARING_LEAST 0.15f  // the least disc in a clearing, as a fraction of its radius
 #define CLEARING_FACING 0.9f  // least cosine between the normals of its discs and its own
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
 enum { BISECTIONS = 5, AREA_STEPS = 4 };
@@ -28,12 +29,19 @@ static float clear_distance(const struct satin_scene *scene, vec3 o, vec3 d, flo
     return fminf(scene_distance(scene, &ray), most);
 }
 
-// Whether a surface of the same orientation is below the point `t` along w.
-static bool surface_below(const struct raised_disc *disc, vec3 w, float t) {
+// Whether the surface below the point `t` along w continues that at the centre, with the same
+// orientation and without an edge higher than `most`. The chord of a surface of constant curvature
+// has half the slope of its end.
+static bool surface_continues(const struct raised_disc *disc, vec3 w, float t, float most) {
     vec3 p, ng;
-    return photon_surface_below(disc->scene, v3_mad(disc->origin, t, w), disc->n,
-                                disc->height + DEPTH * disc->r, &p, &ng) &&
-           v3_dot(ng, disc->n) > PHOTON_FACING;
+    const vec3 above = v3_mad(disc->origin, t, w);
+    if (!photon_surface_below(disc->scene, above, disc->n, disc->height + DEPTH * disc->r, &p, &ng))
+        return false;
+    const float facing = v3_dot(ng, disc->n);
+    if (!(facing > PHOTON_FACING)) return false;
+    const float height = v3_dot(v3_sub(p, disc->origin), disc->n) + disc->height,
+                curved = -0.5f * t * v3_dot(ng, w) / facing;
+    return fabsf(height - curved) <= most;
 }
 
 // How far the surface extends along w, in units of r; beyond 1 it is the distance to a wall.
@@ -42,10 +50,10 @@ static float extent(const struct raised_disc *disc, vec3 w) {
     // A little before the wall or the disc's boundary, so that the ray downwards does not hit the
     // wall itself.
     float hi = 0.98f * fminf(wall, disc->r), lo = 0.0f;
-    if (surface_below(disc, w, hi)) return wall / disc->r;
+    if (surface_continues(disc, w, hi, INFINITY)) return wall / disc->r;
     for (int i = 0; i < BISECTIONS; i++) {
         float middle = 0.5f * (lo + hi);
-        if (surface_below(disc, w, middle))
+        if (surface_continues(disc, w, middle, INFINITY))
             lo = middle;
         else
             hi = middle;
@@ -87,14 +95,15 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r,
     }
 }
 
-bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
+bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r, float smallest) {
     struct frame frame = frame_from_normal(n);
     struct raised_disc disc = raised_disc_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
         // Directions far apart first, so that an edge is found soon.
         float phi = (float)(i * 7 % AREA_SECTORS) * SECTOR;
         vec3 w = frame_to_world(&frame, v3(cosf(phi), sinf(phi), 0.0f));
-        if (clear_distance(scene, disc.origin, w, r) < r || !surface_below(&disc, w, 0.98f * r))
+        if (clear_distance(scene, disc.origin, w, r) < r ||
+            !surface_continues(&disc, w, 0.98f * r, smallest * DEPTH * r))
             return false;
     }
     return true;
@@ -103,12 +112,12 @@ bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r)
 struct photon_clearing photon_clearing_find(const struct satin_scene *scene, vec3 p, vec3 n,
                                             float r) {
     const float radius = CLEARING * r;
-    return (struct photon_clearing){
-        p, n, radius > 0.0f && photon_area_clear(scene, p, n, radius) ? radius : 0.0f};
+    const bool clear = radius > 0.0f && photon_area_clear(scene, p, n, radius, CLEARING_LEAST);
+    return (struct photon_clearing){p, n, clear ? radius : 0.0f, CLEARING_LEAST * radius};
 }
 
 bool photon_clearing_has(const struct photon_clearing *clearing, vec3 p, vec3 n, float r) {
-    return r <= clearing->radius - sqrtf(v3_dist2(p, clearing->p)) &&
+    return r >= clearing->smallest && r <= clearing->radius - sqrtf(v3_dist2(p, clearing->p)) &&
            v3_dot(n, clearing->n) > CLEARING_FACING;
 }
 

@@ -207,12 +207,13 @@ float photon_area_rotation(vec3 p);
 float photon_area_sector(float x, float y, float rotation);
 // The largest 1 / extent, at least 1.
 float photon_area_inverse(const struct photon_area *area);
-// Whether the surface covers the whole disc; fast if it does not.
-bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r);
+// Whether the surface covers the whole disc; fast if it does not. So it does in smaller discs, down
+// to this fraction of the radius: no edge is so low that only the larger ones extend beyond it.
+bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r, float smallest);
 // A position around which there is no edge or wall up to a distance; 0: not known.
 struct photon_clearing {
     vec3 p, n;
-    float radius;
+    float radius, smallest;  // the least radius of a disc that is known to be clear in it
 };
 // Photons, neighbours in Morton order, for which one clearing is tried: far from edges, it saves
 // their rays.

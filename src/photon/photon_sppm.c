@@ -22,7 +22,10 @@ enum {
     MAP_CAUSTIC,  // aimed at specular surfaces
     PROGRESSIVE_MAPS
 };
-enum { OPEN_CHUNK = 256 };  // photons of a chunk
+enum {
+    OPEN_CHUNK = 256,     // photons of a chunk
+    INITIAL_NEAREST = 16  // photons among which one on the surface of a point is looked for
+};
 
 // Between passes the squared radius falls by (i + ALPHA) / (i + 1). With 2/3 the squared bias falls
 // as fast as the variance [Knaus and Zwicker 2011, sec. 4.3].
@@ -78,6 +81,10 @@ static satin_status trace_pass(const struct photon_sppm *p, uint64_t pass, struc
     return trace_map(p, MAP_CAUSTIC, pass, pool, log, stats, &map[MAP_CAUSTIC]);
 }
 
+// The least radius of a disc that is known to be whole, over that in the first pass: 250,000 passes
+// end there.
+#define SHRUNK_MOST 0.125f
+
 struct open_loop {
     const struct satin_scene *scene;
     struct photon_map *map;
@@ -90,7 +97,7 @@ static void find_open(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++)
         map->whole_disc[i] =
             photon_area_clear(loop->scene, photon_position(map, i), photon_unpack(map->photon[i].n),
-                              sqrtf(map->radius2[i]));
+                              sqrtf(map->radius2[i]), SHRUNK_MOST);
 }
 
 // Finds the radii of a map's photons, and which of their discs no edge or wall cuts.
@@ -169,28 +176,51 @@ satin_status photon_sppm_next(struct photon_sppm *p, struct parallel *pool, stru
     return SATIN_OK;
 }
 
-// A disc around a point, and the photon of the map of radii that is nearest to it.
+// The disc around a point in the first pass.
 struct initial_disc {
-    int nearest;  // -1: none, and the radius is INFINITY
-    float r2;
+    bool found;
+    bool whole;  // whether no edge or wall cuts it
+    float r2;    // INFINITY: there are no photons
 };
 
-// The disc of a point is at least that of its nearest photon, and contains that photon.
-static struct initial_disc find_initial(const struct photon_map *first, vec3 p) {
-    struct initial_disc disc = {-1, INFINITY};
-    if (!first->count) return disc;
+// The row of the nearest of k photons that is on the surface of a point, or of those that are not;
+// -1: there is none.
+static int nearest_photon(const struct photon_map *first, vec3 p, vec3 n, int k, bool on_surface,
+                          float *r2) {
     const float q[3] = {p.x, p.y, p.z};
-    float distance2;
-    photon_index_nearest(first->index, q, 1, 1, INFINITY, &disc.nearest, &distance2);
-    if (disc.nearest >= 0) disc.r2 = fmaxf(first->radius2[disc.nearest], distance2);
+    int row[INITIAL_NEAREST], nearest = -1;
+    float distance2[INITIAL_NEAREST], least = INFINITY;
+    photon_index_nearest(first->index, q, 1, k, INFINITY, row, distance2);
+    for (int i = 0; i < k; i++) {
+        if (row[i] < 0 || !(distance2[i] < least)) continue;
+        const float own2 = fmaxf(first->radius2[row[i]], distance2[i]),
+                    height = v3_dot(v3_sub(photon_position(first, (size_t)row[i]), p), n);
+        const vec3 m = photon_unpack(first->photon[row[i]].n);
+        if (on_surface && !photon_is_on_surface(n, m, height, own2)) continue;
+        nearest = row[i];
+        least = distance2[i];
+        *r2 = own2;
+    }
+    return nearest;
+}
+
+// The disc of a point is at least that of the photon nearest to it on its surface, and contains
+// that photon. If none of those nearest to it is there, it is that of the nearest one.
+static struct initial_disc find_initial(const struct photon_map *first, vec3 p, vec3 n) {
+    struct initial_disc disc = {.r2 = INFINITY};
+    if (!first->count) return disc;
+    int nearest = nearest_photon(first, p, n, 1, true, &disc.r2);
+    if (nearest < 0) nearest = nearest_photon(first, p, n, INITIAL_NEAREST, true, &disc.r2);
+    disc.whole = nearest >= 0 && first->whole_disc[nearest];
+    disc.found = nearest >= 0 || nearest_photon(first, p, n, 1, false, &disc.r2) >= 0;
     return disc;
 }
 
 // The radiance that a point reflects of the photons of a map in the present pass.
 static rgb map_radiance(const struct photon_sppm *sppm, int kind, struct initial_disc initial,
                         const struct shading_point *point, const struct photon_reflection *at) {
-    const struct photon_map *first = &sppm->first[kind], *map = &sppm->map[kind];
-    if (initial.nearest < 0 || !map->count) return rgb_grey(0.0f);
+    const struct photon_map *map = &sppm->map[kind];
+    if (!initial.found || !map->count) return rgb_grey(0.0f);
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     const vec3 p = point->interaction.p;
@@ -206,7 +236,7 @@ static rgb map_radiance(const struct photon_sppm *sppm, int kind, struct initial
     if (disc.count == PHOTON_K_MAX) disc.r2 = photon_radius2(map, row, distance2, disc.count);
     if (disc.count == 0) return rgb_grey(0.0f);
     disc.r = sqrtf(disc.r2);
-    photon_disc_scale(&disc, first->whole_disc[initial.nearest] ? NULL : sppm->scene);
+    photon_disc_scale(&disc, initial.whole ? NULL : sppm->scene);
     return photon_disc_radiance(&disc, at);
 }
 
@@ -218,7 +248,8 @@ rgb photon_sppm_radiance(const struct photon_sppm *p, const struct shading_point
     if (p->options->max_depth >= 0) at.bounces = p->options->max_depth - depth - 1;
     rgb L = rgb_grey(0.0f);
     for (int i = 0; i < PROGRESSIVE_MAPS; i++) {
-        const struct initial_disc initial = find_initial(&p->first[i], point->interaction.p);
+        const struct initial_disc initial =
+            find_initial(&p->first[i], point->interaction.p, point->ng);
         const bool narrow = initial.r2 < sqrf(DISC_WIDEST * length);
         if (i == MAP_INDIRECT) *indirect = narrow;
         if (i == MAP_CAUSTIC || narrow) L = rgb_add(L, map_radiance(p, i, initial, point, &at));
