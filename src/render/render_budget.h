@@ -94,8 +94,8 @@ struct guide_visibility_samples render_budget_visibility(const satin_options *op
 // The number of light samples at each entry of irradiance. With 4, means of single images were .5 %
 // off in a room lit through a door; 16 gain nothing.
 enum { RENDER_ENTRY_SAMPLES = 8 };
-// The fraction of its photons that a render traces first: all, or a sixteenth with a time limit.
-double render_budget_first_photons(const struct render *r);
+// The fraction of its photons that a render traces first, to measure their time or light.
+double render_budget_first_photons(void);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect
 // light from `paths` paths: 1, or up to 8 if it is starved.
 // With a time limit it is at least 2.5, unless the image is denoised.
@@ -106,6 +106,9 @@ double render_budget_grow(double starved);
 // What matters of caustics: 0, up to 1 where they are CAUSTIC_LIGHT of the light or more.
 // `fraction`: photon_caustic_fraction.
 double render_budget_caustics(double fraction);
+// The factor by which caustic photons may grow without a time limit, in a film of so many pixels, if
+// render_budget_caustics is 1.
+double render_budget_caustics_most(const satin_options *options, double pixels);
 // The numbers of photons of maps.
 struct render_photon_counts {
     double fraction;         // of the options' photons

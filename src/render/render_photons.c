@@ -67,9 +67,11 @@ static bool grow_paths(void *ctx, struct photon_paths *paths) {
     satin_options o = r->options;
     double factor = render_budget_grow(starved(r, (double)paths->batch));
     if (!(factor > 1.0)) return false;
-    struct render_photon_counts counts = {1.0, factor, 1.0};
+    const double caustic = (double)paths->caustic / fmax((double)o.caustic_photons, 1.0);
+    struct render_photon_counts counts = {1.0, factor, fmax(caustic, 1.0)};
     render_memory_grow(r, &counts);
     o.photons = (int64_t)ceil((double)o.photons * counts.global);
+    o.caustic_photons = render_fraction(o.caustic_photons, counts.caustic);
     set_made(r, o.photons);
     *paths = render_budget_paths(&o, render_core_seconds(r));
     return true;
@@ -80,11 +82,12 @@ satin_status render_photon_maps(struct render *r, const struct render_photon_cou
     o.photons = render_fraction(o.photons, counts->fraction * counts->global);
     o.caustic_photons = render_fraction(o.caustic_photons, counts->fraction * counts->caustic);
     if (!reads_photons(&o)) o.photons = 0;
+    const bool final = !(o.time > 0.0) && counts->fraction == 1.0;
     set_made(r, o.photons);
     struct photon_request request = {.scene = &r->scene,
                                      .options = &o,
                                      .paths = render_budget_paths(&o, render_core_seconds(r)),
-                                     .grow = r->options.time > 0.0 ? NULL : grow_paths,
+                                     .grow = final ? grow_paths : NULL,
                                      .grow_ctx = r};
     satin_status status = render_photon_emission(r, &request);
     if (status == SATIN_OK)
@@ -183,14 +186,44 @@ satin_status render_reduce_photons(struct render *r) {
     return SATIN_OK;
 }
 
+// Finds by the first photons how many of caustics are worth their time, as a factor of their
+// number.
+static satin_status measure_caustics(struct render *r, double *factor) {
+    const struct stats before = r->stats;
+    const struct scene_film *film = &r->scene.film;
+    const double most =
+        render_budget_caustics_most(&r->options, (double)film->width * (double)film->height);
+    *factor = 1.0;
+    if (r->first_pass.caustics_chosen || !(most > 1.0)) return SATIN_OK;
+    struct photon_request request = {.scene = &r->scene, .options = &r->options};
+    satin_status status = render_photon_emission(r, &request);
+    if (status != SATIN_OK || !request.emission) return status;
+    const struct render_photon_counts first = {render_budget_first_photons(), 1.0, 1.0};
+    status = render_photon_maps(r, &first);
+    if (status != SATIN_OK) return status;
+    *factor += (most - 1.0) * caustics(r);
+    render_drop_photons(r, before);
+    return SATIN_OK;
+}
+
+// All photons of the options, and more of caustics.
+static satin_status build_unlimited(struct render *r) {
+    struct render_photon_counts counts = {1.0, 1.0, 1.0};
+    const satin_status status = measure_caustics(r, &counts.caustic);
+    if (status != SATIN_OK) return status;
+    render_memory_grow(r, &counts);
+    return render_photon_maps(r, &counts);
+}
+
 satin_status render_photons(struct render *r) {
     if (r->options.integrator != SATIN_TWO_PASS) return render_fit_photons(r);
+    if (!(r->options.time > 0.0)) return build_unlimited(r);
     const struct stats before = r->stats;
-    const double first = render_budget_first_photons(r);
+    const double first = render_budget_first_photons();
     satin_status status = build_first(r, first);
     const bool too_slow = !render_has_stage(r, STAGE_PHOTONS);
     if (too_slow) r->stats = before;
-    if (status != SATIN_OK || too_slow || !(r->options.time > 0.0)) return status;
+    if (status != SATIN_OK || too_slow) return status;
     struct render_photon_counts more = render_budget_photons(
         r, expected_seconds(r, first), starved(r, first * (double)r->options.photons), caustics(r));
     if (!(more.fraction > 0.0)) return SATIN_OK;

@@ -91,7 +91,7 @@ static void a_limit_that_is_over_is_no_cancellation(void **state) {
 static void photons_fit_into_the_time_or_are_left_out(void **state) {
     (void)state;
     const struct render r = render_budget_make(1000.0);
-    const double first = render_budget_first_photons(&r);
+    const double first = render_budget_first_photons();
     assert_true(first > 0.0 && first < 0.1);
     struct render_photon_counts few = render_budget_photons(&r, 480, 4.0, 0.0);
     assert_true(few.fraction > first && few.fraction < 1.0 && few.global == 1.0);
@@ -221,10 +221,21 @@ static void lookups_of_fewer_photons_are_wider(void **state) {
     assert_true(render_budget_lookup(0.0) == 1.0f);  // none were wanted
 }
 
+// Half a photon per sample of the image, between those of the options and four times as many.
+static void caustics_grow_with_the_image(void **state) {
+    (void)state;
+    satin_options o = {.spp = 20, .caustic_photons = 1000000};
+    assert_true(render_budget_caustics_most(&o, 1e4) == 1.0);
+    assert_true(render_budget_caustics_most(&o, 2e5) == 2.0);
+    assert_true(render_budget_caustics_most(&o, 1e6) == 4.0);
+    o.time = 10.0;
+    assert_true(render_budget_caustics_most(&o, 1e6) == 1.0);
+    o = (satin_options){.spp = 20};
+    assert_true(render_budget_caustics_most(&o, 1e6) == 1.0);
+}
+
 static void starved_maps_alone_are_made_again(void **state) {
     (void)state;
-    const struct render r = render_budget_make(0.0);
-    assert_true(render_budget_first_photons(&r) == 1.0);
     satin_options o = {.time = 0.0};
     assert_true(render_budget_starved(&o, 1000.0, 500.0) == 1.0);
     assert_true(render_budget_starved(&o, 1000.0, 2000.0) == 1.0);
@@ -244,7 +255,6 @@ static void starved_maps_alone_are_made_again(void **state) {
     assert_true(render_budget_starved(&o, 1000.0, 500.0) == 1.0);
     assert_true(render_budget_grow(1.2) == 1.0);
     assert_true(render_budget_grow(4.0) == 4.0);
-    parallel_free(r.pool);
 }
 
 // Records get more time where more of the light is indirect, and less where the image is noisier.
@@ -444,6 +454,7 @@ int main(void) {
         cmocka_unit_test(rays_per_bin_grow_with_photons),
         cmocka_unit_test(samples_gather_less_with_a_limit),
         cmocka_unit_test(lookups_of_fewer_photons_are_wider),
+        cmocka_unit_test(caustics_grow_with_the_image),
         cmocka_unit_test(starved_maps_alone_are_made_again),
         cmocka_unit_test(records_get_the_time_that_the_pilot_suggests),
         cmocka_unit_test(first_records_leave_time_for_noisy_direct_light),
