@@ -106,8 +106,8 @@ double render_budget_grow(double starved);
 // What matters of caustics: 0, up to 1 where they are CAUSTIC_LIGHT of the light or more.
 // `fraction`: photon_caustic_fraction.
 double render_budget_caustics(double fraction);
-// The factor by which caustic photons may grow without a time limit, in a film of so many pixels, if
-// render_budget_caustics is 1.
+// The factor by which caustic photons may grow without a time limit, in a film of so many pixels,
+// if render_budget_caustics is 1.
 double render_budget_caustics_most(const satin_options *options, double pixels);
 // The numbers of photons of maps.
 struct render_photon_counts {
