@@ -100,6 +100,8 @@ double render_budget_first_photons(void);
 // light from `paths` paths: 1, or up to 8 if it is starved.
 // With a time limit it is at least 2.5, unless the image is denoised.
 double render_budget_starved(const satin_options *options, double paths, double kept);
+// The factor of the photons of the global map without a time limit, in a film of so many pixels.
+double render_budget_photons_most(const satin_options *options, double pixels);
 // The factor of the paths by which a starved map is traced again without a time limit; 1: it is
 // not.
 double render_budget_grow(double starved);

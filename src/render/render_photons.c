@@ -65,8 +65,9 @@ static void set_made(struct render *r, int64_t photons) {
 static bool grow_paths(void *ctx, struct photon_paths *paths) {
     struct render *r = ctx;
     satin_options o = r->options;
-    double factor = render_budget_grow(starved(r, (double)paths->batch));
-    if (!(factor > 1.0)) return false;
+    const double factor = render_budget_grow(starved(r, (double)paths->batch)),
+                 present = (double)paths->global / fmax((double)o.photons, 1.0);
+    if (!(factor > fmax(present, 1.0))) return false;
     const double caustic = (double)paths->caustic / fmax((double)o.caustic_photons, 1.0);
     struct render_photon_counts counts = {1.0, factor, fmax(caustic, 1.0)};
     render_memory_grow(r, &counts);
@@ -186,13 +187,16 @@ satin_status render_reduce_photons(struct render *r) {
     return SATIN_OK;
 }
 
+// The pixels of the whole film, so that a crop has the same photons.
+static double whole_pixels(const struct render *r) {
+    return (double)r->scene.film.width * (double)r->scene.film.height;
+}
+
 // Finds by the first photons how many of caustics are worth their time, as a factor of their
 // number.
 static satin_status measure_caustics(struct render *r, double *factor) {
     const struct stats before = r->stats;
-    const struct scene_film *film = &r->scene.film;
-    const double most =
-        render_budget_caustics_most(&r->options, (double)film->width * (double)film->height);
+    const double most = render_budget_caustics_most(&r->options, whole_pixels(r));
     *factor = 1.0;
     if (r->first_pass.caustics_chosen || !(most > 1.0)) return SATIN_OK;
     struct photon_request request = {.scene = &r->scene, .options = &r->options};
@@ -206,9 +210,11 @@ static satin_status measure_caustics(struct render *r, double *factor) {
     return SATIN_OK;
 }
 
-// All photons of the options, and more of caustics.
+// All photons of the options, and more in large images.
 static satin_status build_unlimited(struct render *r) {
     struct render_photon_counts counts = {1.0, 1.0, 1.0};
+    if (!r->first_pass.photons_chosen && reads_photons(&r->options))
+        counts.global = render_budget_photons_most(&r->options, whole_pixels(r));
     const satin_status status = measure_caustics(r, &counts.caustic);
     if (status != SATIN_OK) return status;
     render_memory_grow(r, &counts);

@@ -221,7 +221,24 @@ static void lookups_of_fewer_photons_are_wider(void **state) {
     assert_true(render_budget_lookup(0.0) == 1.0f);  // none were wanted
 }
 
-// Half a photon per sample of the image, between those of the options and four times as many.
+// .15 photons per sample of the image, up to 2.5 times those of the options and those of
+// production.
+static void photons_grow_with_the_image(void **state) {
+    (void)state;
+    satin_options o = {.spp = 20, .photons = 300000};
+    assert_true(render_budget_photons_most(&o, 1e4) == 1.0);
+    assert_true(fabs(render_budget_photons_most(&o, 2e5) - 2.0) < 1e-9);
+    assert_true(render_budget_photons_most(&o, 1e6) == 2.5);
+    o.denoise = true;
+    assert_true(render_budget_photons_most(&o, 1e6) == 1.0);
+    o = (satin_options){.spp = 20, .photons = 2000000};
+    assert_true(render_budget_photons_most(&o, 1e7) == 1.25);
+    o.time = 10.0;
+    assert_true(render_budget_photons_most(&o, 1e7) == 1.0);
+}
+
+// Half a photon of caustics per sample of the image, between those of the options and four times as
+// many.
 static void caustics_grow_with_the_image(void **state) {
     (void)state;
     satin_options o = {.spp = 20, .caustic_photons = 1000000};
@@ -454,6 +471,7 @@ int main(void) {
         cmocka_unit_test(rays_per_bin_grow_with_photons),
         cmocka_unit_test(samples_gather_less_with_a_limit),
         cmocka_unit_test(lookups_of_fewer_photons_are_wider),
+        cmocka_unit_test(photons_grow_with_the_image),
         cmocka_unit_test(caustics_grow_with_the_image),
         cmocka_unit_test(starved_maps_alone_are_made_again),
         cmocka_unit_test(records_get_the_time_that_the_pilot_suggests),
