@@ -114,7 +114,8 @@ struct photon_tracing {
     // Paths of all batches of which this pass is one, each of which emits all light: its power is
     // that of its paths among them. 0: it is the only one.
     uint64_t batches;
-    bool passing;  // photons serve only until the results of their pass or batch are written
+    bool repeated;  // whether it emits the light of a pass before it again, whose power is known
+    bool passing;   // photons serve only until the results of their pass or batch are written
 };
 
 // Traces the paths of all consumers and sets out[i] to the photons of consumer i. On failure,
@@ -124,6 +125,8 @@ satin_status photon_trace_run(const struct photon_tracing *tracing, struct paral
 void photon_trace_free(struct photon_trace *trace);
 // Adds the counts of a trace to the statistics photons.*.
 void photon_trace_count(const struct photon_trace *trace, struct stats *stats);
+// Multiplies the statistics photons.*power_*.
+void photon_power_scale(double factor, struct stats *stats);
 
 // ---- The map (photon_map.c) ---------------------------------------------------------------------
 

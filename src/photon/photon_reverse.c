@@ -189,6 +189,7 @@ static satin_status trace_batch(struct reverse_run *run, uint64_t batch, struct 
     struct photon_trace trace[PHOTON_CONSUMERS];
     tracing.seed = rng_mix(tracing.seed + RNG_GOLDEN * batch);
     tracing.passing = true;
+    tracing.batches = run->what->paths;
     tracing.consumer[0].paths = photon_reverse_paths(run->what, batch);
     for (int k = 1; k < PHOTON_CONSUMERS; k++) tracing.consumer[k].paths = 0;
     parallel_begin_part(pool, "trace");
@@ -251,6 +252,8 @@ satin_status photon_reverse_add(const struct photon_reverse *what, struct photon
         irradiance->E[i] = rgb_scale(irradiance->E[i], weight);
         if (irradiance->last) irradiance->last[i] = rgb_scale(irradiance->last[i], weight);
     }
+    // The power of each batch is that of the lights: that of the first one counts with its weight.
+    photon_power_scale((double)weight, stats);
     for (uint64_t b = 1; b < what->batches && status == SATIN_OK; b++)
         status = add_batch(&run, b, pool, log, stats);
     size_t refused = 0;

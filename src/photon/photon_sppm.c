@@ -67,6 +67,7 @@ static satin_status trace_map(const struct photon_sppm *p, int kind, uint64_t pa
                       .allocation = caustic ? NULL : &p->allocation}},
         .bounces = photon_bounces_left(p->options, 1),
         .emission = caustic ? p->emission : NULL,
+        .repeated = pass > 0,
         .passing = pass > 0};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     return photon_map_trace(&tracing, pool, log, stats, out, trace);

@@ -232,7 +232,8 @@ static satin_status join(struct run *run, size_t chunks, int consumer, struct ph
         trace.emitted += run->paths[consumer][i];
     for (size_t i = 0; i < chunks; i++) {
         trace.refused += run->chunk[i].refused;
-        if (!tracing->emission) add_power(&run->chunk[i], fraction, trace.power);
+        if (!tracing->emission && !tracing->repeated)
+            add_power(&run->chunk[i], fraction, trace.power);
     }
     *out = trace;
     return SATIN_OK;
@@ -317,6 +318,11 @@ static void count_power(const struct photon_power *power, int light, struct stat
             snprintf(name, sizeof name, "photons.light_%d.power_%s", light, entry[i].name);
         stats_add(stats, name, entry[i].value);
     }
+}
+
+void photon_power_scale(double factor, struct stats *stats) {
+    for (int i = 0; i < stats->count; i++)
+        if (strstr(stats->entry[i].name, "power_")) stats->entry[i].value *= factor;
 }
 
 void photon_trace_count(const struct photon_trace *trace, struct stats *stats) {

@@ -70,6 +70,8 @@ static struct sppm_result furnace_reflection(int max_depth, bool edge, float len
         result.error2 += (sum[k] - exact) * (sum[k] - exact) / POINTS;
     }
     assert_int_equal((int)stats_get(&stats, "photons.emitted"), (passes + 1) * (int)o.photons);
+    if (max_depth < 0)
+        assert_true(fabs(stats_get(&stats, "photons.power_emitted") / (24.0 * M_PI) - 1.0) < 1e-4);
     photon_sppm_free(sppm);
     parallel_free(pool);
     test_scene_free(&t);
