@@ -44,13 +44,19 @@ static bool surface_continues(const struct raised_disc *disc, vec3 w, float t, f
     return fabsf(height - curved) <= most;
 }
 
-// How far the surface extends along w, in units of r; beyond 1 it is the distance to a wall.
-static float extent(const struct raised_disc *disc, vec3 w) {
+// How far the surface extends along w, in units of r; beyond 1 it is the distance to a wall. It is
+// looked for at so many points, of which gaps that lie between two are not found.
+static float extent(const struct raised_disc *disc, vec3 w, int points) {
     float wall = clear_distance(disc->scene, disc->origin, w, 1.5f * disc->r);
     // A little before the wall or the disc's boundary, so that the ray downwards does not hit the
     // wall itself.
     float hi = 0.98f * fminf(wall, disc->r), lo = 0.0f;
-    if (surface_continues(disc, w, hi, INFINITY)) return wall / disc->r;
+    int gap = 1;
+    while (gap <= points && surface_continues(disc, w, hi * (float)gap / (float)points, INFINITY))
+        gap++;
+    if (gap > points) return wall / disc->r;
+    lo = hi * (float)(gap - 1) / (float)points;
+    hi *= (float)gap / (float)points;
     for (int i = 0; i < BISECTIONS; i++) {
         float middle = 0.5f * (lo + hi);
         if (surface_continues(disc, w, middle, INFINITY))
@@ -80,7 +86,7 @@ float photon_area_rotation(vec3 p) {
     return (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
 }
 
-void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r,
+void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, int points,
                       struct photon_area *out) {
     out->frame = frame_from_normal(n);
     out->rotation = photon_area_rotation(p);
@@ -89,7 +95,7 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r,
     for (int i = 0; i < AREA_SECTORS; i++) {
         float phi = out->rotation + (float)i * SECTOR;
         vec3 w = frame_to_world(&out->frame, v3(cosf(phi), sinf(phi), 0.0f));
-        float e = extent(&disc, w);
+        float e = extent(&disc, w, points);
         out->inverse[i] = 1.0f / fmaxf(e, EXTENT_MIN);
         if (e < 1.0f) out->whole_disc = false;
     }

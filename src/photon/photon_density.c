@@ -119,7 +119,8 @@ void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene
     float fraction = 1.0f;
     disc->corrected = false;
     if (scene) {
-        photon_area_make(scene, disc->p, disc->n, disc->r, &disc->area);
+        const int points = disc->points > 0 ? disc->points : 1;
+        photon_area_make(scene, disc->p, disc->n, disc->r, points, &disc->area);
         disc->corrected = !disc->area.whole_disc;
         // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.
         if (disc->corrected)
@@ -138,6 +139,7 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     out->row = row;
     out->distance2 = distance2;
     out->own = false;
+    out->points = 0;
     out->corrected = false;
     out->scale = 0.0f;
     out->r2 = photon_radius2(query->map, row, distance2, query->k);

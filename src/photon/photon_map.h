@@ -201,7 +201,9 @@ struct photon_area {
     bool whole_disc;              // whether the surface covers the whole disc
 };
 
-void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r,
+// Measures an area by looking for the surface at so many points along each direction, at least one,
+// at the boundary of the disc.
+void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, int points,
                       struct photon_area *out);
 // The rotation of the first sector around p in radians, by the bits of p: no direction is
 // preferred.
@@ -260,8 +262,9 @@ struct photon_disc {
     float scale;     // 1 / (area of the surface in the disc) [m^-2]; not used if `own`
     bool corrected;  // whether photons count only inside `area`
     struct photon_area area;
-    bool own;  // whether each photon's kernel has the radius and the area of its own disc, which
-               // must be known (photon_cover.h); r, r2 and scale are not used then
+    int points;  // see photon_area_make; 0: one
+    bool own;    // whether each photon's kernel has the radius and the area of its own disc, which
+                 // must be known (photon_cover.h); r, r2 and scale are not used then
 };
 
 // The input of a disc.
