@@ -201,8 +201,8 @@ struct photon_area {
     bool whole_disc;              // whether the surface covers the whole disc
 };
 
-// Measures an area by looking for the surface at so many points along each direction, at least one,
-// at the boundary of the disc.
+// Measures an area. Along each direction the surface is looked for at so many points, at least one;
+// the last one is at the boundary of the disc.
 void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, int points,
                       struct photon_area *out);
 // The rotation of the first sector around p in radians, by the bits of p: no direction is

@@ -17,6 +17,23 @@
 
 enum { PASSES = 16, POINTS = 96 };
 
+static satin_options sppm_options(int max_depth) {
+    satin_options o = satin_options_default;
+    o.integrator = SATIN_SPPM;
+    o.photons = 20000;
+    o.max_depth = max_depth;
+    return o;
+}
+
+static struct photon_sppm *sppm_begin(const struct test_scene *t, const satin_options *o,
+                                      struct parallel *pool, struct stats *stats) {
+    const struct photon_request request = {
+        .scene = &t->scene, .options = o, .paths = render_budget_paths(o, 0.0)};
+    struct photon_sppm *sppm;
+    assert_int_equal(photon_sppm_new(&request, pool, (struct log){0}, stats, &sppm), SATIN_OK);
+    return sppm;
+}
+
 // A point of a wall of the box, seen along its normal: inside, or at an edge.
 static struct shading_point furnace_point(const struct test_scene *t, int i, bool edge) {
     const int wall = i % 6;
@@ -44,16 +61,10 @@ static struct sppm_result furnace_reflection(int max_depth, bool edge, float len
                                              double exact) {
     struct test_scene t;
     test_furnace(&t, ALBEDO);
-    satin_options o = satin_options_default;
-    o.integrator = SATIN_SPPM;
-    o.photons = 20000;
-    o.max_depth = max_depth;
+    const satin_options o = sppm_options(max_depth);
     struct parallel *pool = parallel_new(2);
     struct stats stats = {0};
-    const struct photon_request request = {
-        .scene = &t.scene, .options = &o, .paths = render_budget_paths(&o, 0.0)};
-    struct photon_sppm *sppm;
-    assert_int_equal(photon_sppm_new(&request, pool, (struct log){0}, &stats, &sppm), SATIN_OK);
+    struct photon_sppm *sppm = sppm_begin(&t, &o, pool, &stats);
     double sum[POINTS] = {0};
     struct sppm_result result = {0};
     for (int i = 0; i < passes; i++) {
@@ -167,15 +178,10 @@ static void light_is_right_at_low_steps(void **state) {
     enum { LATE_PASSES = 128 };
     struct test_scene t;
     furnace_with_slab(&t);
-    satin_options o = satin_options_default;
-    o.integrator = SATIN_SPPM;
-    o.photons = 20000;
+    const satin_options o = sppm_options(-1);
     struct parallel *pool = parallel_new(2);
     struct stats stats = {0};
-    const struct photon_request request = {
-        .scene = &t.scene, .options = &o, .paths = render_budget_paths(&o, 0.0)};
-    struct photon_sppm *sppm;
-    assert_int_equal(photon_sppm_new(&request, pool, (struct log){0}, &stats, &sppm), SATIN_OK);
+    struct photon_sppm *sppm = sppm_begin(&t, &o, pool, &stats);
     photon_sppm_skip(sppm, 1000);
     double mean[3] = {0};
     for (int i = 0; i < LATE_PASSES; i++) {
