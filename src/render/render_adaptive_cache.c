@@ -8,7 +8,8 @@
 static satin_status adapt_view(struct render *r, uint32_t view, const uint32_t *pixel,
                                size_t pixels) {
     struct render_sites sites = {0};
-    satin_status status = render_find_sites(r, view, pixel, pixels, true, &sites);
+    satin_status status =
+        render_find_sites(r, view, pixel, &pixels, render_memory_adapted(r), true, &sites);
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++) {
         const struct cache_options *o = &r->second_pass.cache->store[k].options;
         const struct fill_sites wanted = {.site = sites.site,

@@ -207,6 +207,9 @@ bool render_covering_without_records(const satin_options *options,
 // RENDER_VIEW_PIXELS: in a walk of 60 frames, 1024, 4096, 16384 and all pixels took 4.9, 5.2, 6.8
 // and 6.9 CPU seconds for records that cover the frames equally (docs/experiments/animations.md).
 enum { RENDER_FIRST_PIXELS = 8, RENDER_VIEW_PIXELS = 4096 };
+// The largest block, and the sites at which it ends: what is seen through glass has several sites
+// in a pixel. They take 28 MB.
+enum { RENDER_BLOCK_PIXELS = 65536, RENDER_BLOCK_SITES = 81920 };
 // Whether the rest of a level is filled in a view after the first one, of whose last `pixels`
 // pixels `made` records were made: at least one per RENDER_VIEW_PIXELS.
 bool render_budget_view_pays(double made, double pixels);

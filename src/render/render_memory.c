@@ -42,26 +42,32 @@ static double bytes_of_scene(const struct satin_scene *scene) {
            (reads_module(scene) ? MODULE_BYTES : 0.0);
 }
 
-// What the film takes before there is an image. The sums of the pixels, which system pages are
-// assigned to when they are first written, take more, but not before the sites of the records are
-// freed.
+// What the film and the counts of samples take before there is an image. The sums of the pixels,
+// which system pages are assigned to when they are first written, take more, but not before the
+// sites of the records are freed.
 static double bytes_of_film(const struct satin_scene *scene, const satin_options *o) {
-    return (double)scene->film.crop_width * (double)scene->film.crop_height * sizeof(float) *
-           render_film_channels(scene, o);
+    return (double)scene->film.crop_width * (double)scene->film.crop_height *
+           (sizeof(float) * render_film_channels(scene, o) + sizeof(struct adaptive_pixel));
 }
 
 // Adaptive caching compares up to 24 records at a site.
 static const double COMPARED_BYTES = 500.0;
+// Sites of a pixel, on average; there are more of what is seen through glass.
+static const double PIXEL_SITES = 1.25;
+
+static double adapted_sites(const satin_options *o) {
+    const double stride = render_budget_adaptive_stride(o->width, o->height);
+    return PIXEL_SITES * o->width * o->height / (stride * stride);
+}
 
 // The sites of a block of pixels or, after it, of adaptive caching, and a batch of records.
 static double site_bytes(const satin_options *o) {
     const double pixels = (double)o->width * (double)o->height, site = sizeof(struct fill_site);
-    const double traced = 4.0 * fmin(pixels, 8192.0), block = fmin(pixels, 65536.0);
-    const double stride = render_budget_adaptive_stride(o->width, o->height);
-    const double adapted = o->adaptive_cache ? pixels / (stride * stride) : 0.0;
+    const double traced = 4.0 * fmin(pixels, 8192.0), block = fmin(pixels, RENDER_BLOCK_PIXELS);
+    const double adapted = o->adaptive_cache ? adapted_sites(o) : 0.0;
     const double order = o->radiance_cache ? o->radiance_order : 0.0;
     return 4.0 * pixels + traced * site +
-           fmax(1.2 * block * site, adapted * (1.2 * site + COMPARED_BYTES)) +
+           fmax(PIXEL_SITES * block * site, adapted * (site + COMPARED_BYTES)) +
            fmin(fmax(block / 128.0, 128.0), 1024.0) * order * order * 88.0;
 }
 
@@ -206,6 +212,10 @@ static double bytes_left(const struct render *r) {
 void render_memory_limit_cache(const struct render *r, struct cache *cache, int caches) {
     if (r->memory.limit > 0.0)
         cache_limit(cache, fmax(bytes_left(r) / record_copies(r) / caches, 1.0));
+}
+
+size_t render_memory_adapted(const struct render *r) {
+    return r->memory.limit > 0.0 ? (size_t)ceil(adapted_sites(&r->options)) : SIZE_MAX;
 }
 
 void render_memory_end(struct render *r) {

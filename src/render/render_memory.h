@@ -37,6 +37,8 @@ void render_memory_grow(struct render *r, struct render_photon_counts *counts);
 // Limits the memory of a cache, which is one of so many.
 struct cache;
 void render_memory_limit_cache(const struct render *r, struct cache *cache, int caches);
+// The most points that adaptive caching may compare in a view.
+size_t render_memory_adapted(const struct render *r);
 // Warns if the cache was limited, and sets statistics.
 void render_memory_end(struct render *r);
 

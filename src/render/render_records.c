@@ -7,9 +7,6 @@
 #include "render/render_budget.h"
 #include "render/render_state.h"
 
-// Pixels whose sites are in memory at a time: they take 22 MB.
-enum { BLOCK_PIXELS = 65536 };
-
 // What all rounds of filling have in common.
 struct record_rounds {
     struct render *r;
@@ -83,14 +80,15 @@ static satin_status begin_block(struct record_rounds *rounds, const struct recor
     const bool first = level->covering && level->stride == RENDER_COARSEST && level->done == 0;
     block->view = (uint32_t)(level->done / level->count);
     block->first = level->done % level->count;
-    block->count = first ? RENDER_FIRST_PIXELS : BLOCK_PIXELS;
+    block->count = first ? RENDER_FIRST_PIXELS : RENDER_BLOCK_PIXELS;
     if (block->view > 0 && block->first == 0) block->count = RENDER_VIEW_PIXELS;
     if (block->count > level->count - block->first) block->count = level->count - block->first;
     block->records = count_records(r);
     const double step = level->span / all_pixels(rounds, level), start = stats_wall();
     render_stage_range(r, level->begin + step * (double)level->done, step * (double)block->count);
-    satin_status status = render_find_sites(r, block->view, level->pixel + block->first,
-                                            block->count, false, &rounds->sites);
+    satin_status status =
+        render_find_sites(r, block->view, level->pixel + block->first, &block->count,
+                          RENDER_BLOCK_SITES, false, &rounds->sites);
     rounds->covering.search += render_agreed(r, stats_wall() - start);
     rounds->covering.pixels += (double)block->count;
     if (status == SATIN_OK && level->covering) status = plan_rays(rounds, level, block->count);
@@ -245,6 +243,7 @@ satin_status render_records(struct render *r) {
     if (status == SATIN_OK && !whole && timed) status = cover_in_rounds(&rounds);
     if (status == SATIN_OK && !whole && !timed)
         status = cover_levels(&rounds, (struct render_factors){{1.0f, 1.0f}}, false, 0.0, 1.0);
+    render_sites_free(&rounds.sites);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
     if (r->motion.at_rest)
@@ -254,7 +253,6 @@ satin_status render_records(struct render *r) {
     if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS))
         status = remove_noise(r, timed && !rounds.finer);
     if (!render_has_stage(r, STAGE_RECORDS)) stats_set(&r->stats, "records.abandoned", 1.0);
-    render_sites_free(&rounds.sites);
     fill_statistics(r->second_pass.fill, &r->stats);
     return status;
 }

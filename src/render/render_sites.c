@@ -83,26 +83,30 @@ static satin_status append_sites(struct site_search *s, size_t pixels, struct re
     return parallel_for(s->r->pool, pixels, 64, copy_sites, s) ? SATIN_OK : SATIN_CANCELLED;
 }
 
-satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *pixel, size_t count,
-                               bool adaptive, struct render_sites *sites) {
+satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *pixel,
+                               size_t *count, size_t most, bool adaptive,
+                               struct render_sites *sites) {
     const char *part = parallel_begin_part(r->pool, "sites");
-    const size_t most = count < TRACED_PIXELS ? count : TRACED_PIXELS;
+    const size_t block = *count < TRACED_PIXELS ? *count : TRACED_PIXELS;
     struct site_search s = {
         .r = r, .shade = r->second_pass.shade, .view = view, .adaptive = adaptive};
     s.shade.camera = scene_camera_at(&r->scene, view);
-    s.found = array_new_unset(most * SITES_PER_PIXEL, sizeof *s.found);
-    s.count = array_new(most, 1);
-    s.first = array_new(most, sizeof *s.first);
+    s.found = array_new_unset(block * SITES_PER_PIXEL, sizeof *s.found);
+    s.count = array_new(block, 1);
+    s.first = array_new(block, sizeof *s.first);
     satin_status status = s.found && s.count && s.first ? SATIN_OK : SATIN_ERROR_MEMORY;
     sites->count = 0;
-    for (size_t i = 0; i < count && status == SATIN_OK; i += TRACED_PIXELS) {
-        const size_t pixels = count - i < TRACED_PIXELS ? count - i : TRACED_PIXELS;
-        s.pixel = pixel + i;
+    size_t done = 0;
+    while (done < *count && sites->count < most && status == SATIN_OK) {
+        const size_t pixels = *count - done < block ? *count - done : block;
+        s.pixel = pixel + done;
+        done += pixels;
         if (!parallel_for(r->pool, pixels, 64, find_pixel_sites, &s))
             status = SATIN_CANCELLED;
         else
             status = append_sites(&s, pixels, sites);
     }
+    *count = done;
     free(s.found);
     free(s.count);
     free(s.first);

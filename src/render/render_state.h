@@ -404,10 +404,12 @@ struct render_sites {
     size_t count, capacity;
 };
 // Replaces the sites by those that are seen by camera number `view` of the scene in `count` pixels,
-// in the order of the pixels; if `adaptive`, with the members for fill_adapt. SATIN_CANCELLED or
-// SATIN_ERROR_MEMORY.
-satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *pixel, size_t count,
-                               bool adaptive, struct render_sites *sites);
+// in the order of the pixels; if `adaptive`, with the members for fill_adapt. When there are `most`
+// sites, it ends within 8192 pixels, and sets `count` to those that were searched.
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *pixel,
+                               size_t *count, size_t most, bool adaptive,
+                               struct render_sites *sites);
 void render_sites_free(struct render_sites *sites);
 
 // ---- render_adaptive_cache.c

@@ -12,7 +12,7 @@
 #include "render/render_state.h"
 #include "scene_case.h"
 
-enum { WIDTH = 131, HEIGHT = 77 };  // more pixels than are traced at a time
+enum { WIDTH = 131, HEIGHT = 77, BLOCK = 8192 };  // more pixels than are traced at a time
 
 // Looks at a plate that fills the left of the film; the rest is empty.
 static const char RENDER_SITES_SCENE[] =
@@ -104,8 +104,12 @@ static void sites_are_in_the_order_of_the_pixels(void **state) {
         uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
         struct render_sites sites = {0};
         // The second search replaces what the first one found.
-        assert_int_equal(render_find_sites(&f.r, 0, pixel, 100, false, &sites), SATIN_OK);
-        assert_int_equal(render_find_sites(&f.r, 0, pixel, pixels, false, &sites), SATIN_OK);
+        size_t few = 100;
+        assert_int_equal(render_find_sites(&f.r, 0, pixel, &few, SIZE_MAX, false, &sites),
+                         SATIN_OK);
+        assert_int_equal(render_find_sites(&f.r, 0, pixel, &pixels, SIZE_MAX, false, &sites),
+                         SATIN_OK);
+        assert_int_equal(few, 100);
         for (size_t i = 0; i < pixels; i++) {
             struct fill_site one;
             const int x = (int)(pixel[i] % WIDTH), y = (int)(pixel[i] / WIDTH);
@@ -124,6 +128,31 @@ static void sites_are_in_the_order_of_the_pixels(void **state) {
     }
 }
 
+// The search ends where there are as many sites as it is asked for, with the same ones.
+static void a_search_ends_with_enough_sites(void **state) {
+    (void)state;
+    struct render_sites_fixture f;
+    render_sites_start(&f, 2);
+    size_t pixels;
+    uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
+    struct render_sites all = {0}, sites = {0};
+    assert_int_equal(render_find_sites(&f.r, 0, pixel, &pixels, SIZE_MAX, false, &all), SATIN_OK);
+    size_t count = pixels;
+    assert_int_equal(render_find_sites(&f.r, 0, pixel, &count, 1, false, &sites), SATIN_OK);
+    assert_int_equal(count, BLOCK);
+    const size_t first = sites.count;
+    assert_true(first > 0 && first < all.count);
+    for (size_t i = 0; i < first; i++) assert_true(sites.site[i].stream == all.site[i].stream);
+    count = pixels;
+    assert_int_equal(render_find_sites(&f.r, 0, pixel, &count, first + 1, false, &sites), SATIN_OK);
+    assert_int_equal(count, pixels);
+    assert_int_equal(sites.count, all.count);
+    free(pixel);
+    render_sites_free(&all);
+    render_sites_free(&sites);
+    render_sites_stop(&f);
+}
+
 static void the_sites_of_a_view_are_those_of_its_camera(void **state) {
     (void)state;
     struct render_sites_fixture f;
@@ -140,7 +169,8 @@ static void the_sites_of_a_view_are_those_of_its_camera(void **state) {
     uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
     struct render_sites sites[2] = {{0}};
     for (uint32_t i = 0; i < 2; i++) {
-        assert_int_equal(render_find_sites(&f.r, i, pixel, pixels, false, &sites[i]), SATIN_OK);
+        assert_int_equal(render_find_sites(&f.r, i, pixel, &pixels, SIZE_MAX, false, &sites[i]),
+                         SATIN_OK);
         f.r.second_pass.shade.camera = &view[i];
         size_t at = 0;
         for (size_t k = 0; k < pixels; k++) {
@@ -176,7 +206,8 @@ static void a_search_can_be_cancelled(void **state) {
     uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
     struct render_sites sites = {0};
     parallel_set_progress(f.r.pool, render_sites_cancel, NULL);
-    assert_int_equal(render_find_sites(&f.r, 0, pixel, pixels, false, &sites), SATIN_CANCELLED);
+    assert_int_equal(render_find_sites(&f.r, 0, pixel, &pixels, SIZE_MAX, false, &sites),
+                     SATIN_CANCELLED);
     render_sites_free(&sites);
     free(pixel);
     render_sites_stop(&f);
@@ -187,6 +218,7 @@ int main(void) {
         cmocka_unit_test(grids_have_every_pixel_once),
         cmocka_unit_test(grids_depend_on_the_seed_alone),
         cmocka_unit_test(sites_are_in_the_order_of_the_pixels),
+        cmocka_unit_test(a_search_ends_with_enough_sites),
         cmocka_unit_test(the_sites_of_a_view_are_those_of_its_camera),
         cmocka_unit_test(a_search_can_be_cancelled),
     };
