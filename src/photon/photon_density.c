@@ -119,7 +119,7 @@ void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene
     float fraction = 1.0f;
     disc->corrected = false;
     if (scene) {
-        const int points = disc->points > 0 ? disc->points : 1;
+        const int points = disc->points > 0 ? disc->points : AREA_POINTS;
         photon_area_make(scene, disc->p, disc->n, disc->r, points, &disc->area);
         disc->corrected = !disc->area.whole_disc;
         // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.

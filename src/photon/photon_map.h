@@ -189,7 +189,10 @@ static inline vec3 photon_position(const struct photon_map *map, size_t i) {
 
 // ---- The area that is there (photon_area.c) -----------------------------------------------------
 
-enum { AREA_SECTORS = 16 };
+// Directions of an area, and the points along each at which the map's own discs look for gaps. On
+// strips narrower than a disc one point keeps .6 of the power, two .8, and three all of it, for 1.2
+// times the time of the estimates (docs/experiments/first-passes.md).
+enum { AREA_SECTORS = 16, AREA_POINTS = 3 };
 
 // The area of a disc of radius r around a surface point in which there is a surface of the same
 // orientation, found by rays from just above the point: its extent by direction.
@@ -262,7 +265,7 @@ struct photon_disc {
     float scale;     // 1 / (area of the surface in the disc) [m^-2]; not used if `own`
     bool corrected;  // whether photons count only inside `area`
     struct photon_area area;
-    int points;  // see photon_area_make; 0: one
+    int points;  // see photon_area_make; 0: AREA_POINTS
     bool own;    // whether each photon's kernel has the radius and the area of its own disc, which
                  // must be known (photon_cover.h); r, r2 and scale are not used then
 };

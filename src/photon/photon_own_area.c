@@ -56,7 +56,7 @@ static void find_area(const struct own_loop *loop, size_t i,
     map->whole_disc[i] = true;
     if (!loop->measure || !(r > 0.0f) || photon_clearing_has(clearing, p, n, r)) return;
     struct photon_area area;
-    photon_area_make(loop->scene, p, n, r, 1, &area);
+    photon_area_make(loop->scene, p, n, r, AREA_POINTS, &area);
     if (area.whole_disc) return;
     map->whole_disc[i] = false;
     store_extents(&area, own->extent);

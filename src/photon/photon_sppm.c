@@ -24,7 +24,7 @@ enum {
 };
 enum {
     OPEN_CHUNK = 256,     // photons of a chunk
-    AREA_POINTS = 8,      // along each direction of a disc, where gaps of its surface are found
+    SPPM_POINTS = 8,      // along each direction of a disc, where gaps of its surface are found
     INITIAL_NEAREST = 16  // photons among which one on the surface of a point is looked for
 };
 
@@ -234,7 +234,7 @@ static rgb map_radiance(const struct photon_sppm *sppm, int kind, struct initial
                                .row = row,
                                .distance2 = distance2,
                                .r2 = sppm->shrink2 * initial.r2,
-                               .points = AREA_POINTS};
+                               .points = SPPM_POINTS};
     disc.count = photon_index_within(map->index, q, PHOTON_K_MAX, disc.r2, row, distance2);
     if (disc.count == PHOTON_K_MAX) disc.r2 = photon_radius2(map, row, distance2, disc.count);
     if (disc.count == 0) return rgb_grey(0.0f);
