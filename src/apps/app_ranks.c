@@ -92,5 +92,5 @@ void app_ranks_end(const struct app_ranks *ranks, int status) {
         ranks->module->abort(status);
     }
     if (status == APP_WRONG) report_wrong_input(ranks);
-    ranks->module->end();
+    ranks->module->end(status);
 }

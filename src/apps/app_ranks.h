@@ -11,9 +11,11 @@
 // What the module on MPI has (app_ranks_mpi.c). It is a shared library that is opened only if there
 // are several processes, so that satin needs no MPI.
 struct app_ranks_module {
-    // Starts MPI. NULL with a text in *problem if that is not possible.
+    // Starts MPI. NULL with a text in *problem if that is not possible. Does not return in a
+    // process for which its machine has no core: that waits for the others, and ends with their
+    // status.
     const satin_ranks *(*begin)(const char **problem);
-    void (*end)(void);
+    void (*end)(int status);    // of the first process
     void (*abort)(int status);  // ends all processes
 };
 #define APP_RANKS_SYMBOL "satin_ranks_module"

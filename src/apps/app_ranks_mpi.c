@@ -2,6 +2,9 @@
 // The module on MPI: how the ranks of a render communicate. The counters are in memory of rank 0
 // that all ranks access [MPI 3.1, 11: one-sided communication].
 //
+// Ranks beyond the cores of a machine would only do again what is not divided, on cores that are in
+// use. They wait until the others have ended; the communicator of these is `comm`.
+//
 // MPI does not report that a rank was killed: it waits for that rank for ever, or until mpirun ends
 // all others too. So before ranks communicate, each waits until all are there, and looks meanwhile
 // whether the processes of ranks on its own machine still exist.
@@ -23,12 +26,15 @@ struct mpi_process {
     char host[HOST_NAME_MAX + 1];
     ino_t space;  // in which process numbers are unique: containers have their own
     pid_t pid;
+    cpu_set_t cores;  // on which it may run
 };
 
 struct mpi_state {
-    satin_ranks ranks;
+    satin_ranks ranks;  // those that work
+    MPI_Comm comm;
     MPI_Win counters;
-    struct mpi_process *process;  // by rank
+    int own, count;               // of all ranks
+    struct mpi_process *process;  // by rank, of all
 };
 
 // There is one, as MPI is one of the process.
@@ -51,24 +57,49 @@ static uint64_t mpi_fetch_add(void *user, int counter, uint64_t add) {
 // How long ranks are waited for before they are looked for, and how often that is done then.
 static const double PATIENCE_SECONDS = 0.05, LOOK_SECONDS = 0.1;
 
-// ---- Ranks that were killed ---------------------------------------------------------------------
+// ---- Ranks that wait, and ranks that were killed ------------------------------------------------
+
+// For tests, and for machines whose cores are not those that a process sees.
+static bool all_ranks_work(void) {
+    const char *value = getenv("SATIN_RANKS");
+    return value && strcmp(value, "all") == 0;
+}
+
+static bool same_machine(const struct mpi_state *state, int a, int b) {
+    return strcmp(state->process[a].host, state->process[b].host) == 0;
+}
+
+// Whether a rank waits: its machine has no core for it beside those before it.
+static bool is_spare(const struct mpi_state *state, int rank) {
+    cpu_set_t cores;
+    int before = 0;
+    CPU_ZERO(&cores);
+    for (int i = 0; i < state->count; i++) {
+        if (!same_machine(state, i, rank)) continue;
+        CPU_OR(&cores, &cores, &state->process[i].cores);
+        before += i < rank;
+    }
+    return before >= CPU_COUNT(&cores) && !all_ranks_work();
+}
 
 // Whether the process of a rank on this machine has ended; those of other machines are not known.
 static bool has_ended(const struct mpi_state *state, int rank) {
-    const struct mpi_process *own = &state->process[state->ranks.rank];
-    const struct mpi_process *other = &state->process[rank];
-    return own->space && own->space == other->space && strcmp(own->host, other->host) == 0 &&
+    const struct mpi_process *own = &state->process[state->own], *other = &state->process[rank];
+    return own->space && own->space == other->space && same_machine(state, state->own, rank) &&
            kill(other->pid, 0) != 0 && errno == ESRCH;
 }
 
-// If a rank has ended without a message, ends this one; the first one that is left reports it.
+// If a rank has ended without a message, ends this one; the first one that is left on the machine
+// reports it.
 static void look_for_ranks(struct mpi_state *state) {
     int ended = 0;
-    while (ended < state->ranks.count && !has_ended(state, ended)) ended++;
-    if (ended == state->ranks.count || mpi_fetch_add(state, COUNTER_ABORTS, 0) > 0) return;
+    while (ended < state->count && !has_ended(state, ended)) ended++;
+    if (ended == state->count || mpi_fetch_add(state, COUNTER_ABORTS, 0) > 0) return;
     int first = 0;
-    while (first < state->ranks.rank && has_ended(state, first)) first++;
-    if (first == state->ranks.rank)
+    while (first < state->own && (has_ended(state, first) || is_spare(state, first) ||
+                                  !same_machine(state, first, state->own)))
+        first++;
+    if (first == state->own)
         fprintf(stderr,
                 "satin: error: rank %d (process %ld) was killed; what was done is in the "
                 "checkpoint, if there is one\n",
@@ -83,7 +114,7 @@ static void mpi_meet(struct mpi_state *state) {
     int done = 0;
     const double start = MPI_Wtime();
     double look = start + PATIENCE_SECONDS;
-    MPI_Ibarrier(MPI_COMM_WORLD, &request);
+    MPI_Ibarrier(state->comm, &request);
     for (;;) {
         MPI_Test(&request, &done, MPI_STATUS_IGNORE);
         if (done) return;
@@ -103,19 +134,21 @@ static void mpi_meet(struct mpi_state *state) {
 
 static void mpi_broadcast(void *user, int root, void *data, size_t size) {
     enum { MESSAGE_MOST = 1 << 30 };  // counts of MPI are int
+    const struct mpi_state *state = user;
     char *at = data;
     mpi_meet(user);
     for (; size > 0; size -= size < MESSAGE_MOST ? size : MESSAGE_MOST) {
         const int n = size < MESSAGE_MOST ? (int)size : MESSAGE_MOST;
-        MPI_Bcast(at, n, MPI_BYTE, root, MPI_COMM_WORLD);
+        MPI_Bcast(at, n, MPI_BYTE, root, state->comm);
         at += n;
     }
 }
 
 static bool mpi_any(void *user, bool value) {
+    const struct mpi_state *state = user;
     int own = value, all = 0;
     mpi_meet(user);
-    MPI_Allreduce(&own, &all, 1, MPI_INT, MPI_LOR, MPI_COMM_WORLD);
+    MPI_Allreduce(&own, &all, 1, MPI_INT, MPI_LOR, state->comm);
     return all;
 }
 
@@ -133,10 +166,41 @@ static bool exchange_processes(struct mpi_state *state) {
     struct stat space;
     gethostname(own.host, HOST_NAME_MAX);
     if (stat("/proc/self/ns/pid", &space) == 0) own.space = space.st_ino;
-    state->process = calloc((size_t)state->ranks.count, sizeof own);
+    // A machine with more cores than a set has is left to the user.
+    if (sched_getaffinity(0, sizeof own.cores, &own.cores) != 0)
+        memset(&own.cores, 0xff, sizeof own.cores);
+    state->process = calloc((size_t)state->count, sizeof own);
     if (!state->process) return false;
     MPI_Allgather(&own, sizeof own, MPI_BYTE, state->process, sizeof own, MPI_BYTE, MPI_COMM_WORLD);
     return true;
+}
+
+// Waits until the first rank ends with its status, and ends with it.
+static void wait_for_others(void) {
+    MPI_Request request;
+    int status = APP_FAILED, done = 0;
+    const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) signal(signals[i], SIG_IGN);
+    MPI_Ibcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
+    while (MPI_Test(&request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && !done) usleep(5000);
+    MPI_Finalize();
+    exit(status);
+}
+
+// Divides the ranks into those that work and those that wait, which do not return. The first one is
+// among the former, and says so.
+static void divide_ranks(struct mpi_state *state) {
+    const bool spare = is_spare(state, state->own);
+    int waiting = 0;
+    for (int i = 0; i < state->count; i++) waiting += is_spare(state, i);
+    if (state->own == 0 && waiting > 0)
+        fprintf(stderr,
+                "satin: warning: %d of %d ranks wait: their machines have no core for them\n",
+                waiting, state->count);
+    MPI_Comm_split(MPI_COMM_WORLD, spare ? MPI_UNDEFINED : 0, state->own, &state->comm);
+    if (spare) wait_for_others();
+    MPI_Comm_rank(state->comm, &state->ranks.rank);
+    MPI_Comm_size(state->comm, &state->ranks.count);
 }
 
 static const satin_ranks *mpi_begin(const char **problem) {
@@ -152,23 +216,26 @@ static const satin_ranks *mpi_begin(const char **problem) {
                                  .any = mpi_any,
                                  .fetch_add = mpi_fetch_add,
                                  .reset = mpi_reset};
-    MPI_Comm_rank(MPI_COMM_WORLD, &state->ranks.rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &state->ranks.count);
+    MPI_Comm_rank(MPI_COMM_WORLD, &state->own);
+    MPI_Comm_size(MPI_COMM_WORLD, &state->count);
     if (!exchange_processes(state)) {
         *problem = "there is not enough memory";
         return NULL;
     }
+    divide_ranks(state);
     uint64_t *counter = NULL;
     const MPI_Aint own = state->ranks.rank == 0 ? COUNTERS * sizeof *counter : 0;
-    MPI_Win_allocate(own, sizeof *counter, MPI_INFO_NULL, MPI_COMM_WORLD, &counter,
-                     &state->counters);
+    MPI_Win_allocate(own, sizeof *counter, MPI_INFO_NULL, state->comm, &counter, &state->counters);
     for (int i = 0; own && i < COUNTERS; i++) counter[i] = 0;
-    MPI_Barrier(MPI_COMM_WORLD);
+    MPI_Barrier(state->comm);
     MPI_Win_lock_all(0, state->counters);
     return &state->ranks;
 }
 
-static void mpi_end(void) {
+static void mpi_end(int status) {
+    MPI_Request request;
+    MPI_Ibcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
     // The window is left to MPI: freeing it would need all ranks.
     MPI_Finalize();
 }
