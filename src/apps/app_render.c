@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // satin render: request -> scene and options -> film -> files. Errors in the names of outputs are
 // found before anything is rendered.
+#include <malloc.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +17,11 @@
 
 // The least fraction of a time limit that is left for the render if loading the scene takes long.
 static const double LOAD_LEAVES = 0.2;
+
+// With `--memory`, arrays of the passes of `sppm` that have this size are returned to the system
+// when they are freed. Otherwise malloc raises it as they are, and those of later passes leave
+// gaps: 30 passes took 1.3 times the memory. It costs 2 % of their time.
+enum { RETURNED_BYTES = 1 << 17 };
 
 // The ending of an output's name chooses its format.
 static int check_format(const struct app_render_request *r) {
@@ -225,6 +231,8 @@ static satin_status run_shown(const struct app_render_request *r, const satin_sc
                                        .snapshot_user = shown,
                                        .snapshot_beauty = !r->display.wanted};
     if (first) app_display_open(&shown->display, r->output, shown->progress);
+    if (options->memory > 0 && options->integrator == SATIN_SPPM)
+        mallopt(M_MMAP_THRESHOLD, RETURNED_BYTES);
     const satin_status status = satin_render(scene, options, &callbacks, film);
     app_progress_end(shown->progress);
     return status;

@@ -223,9 +223,11 @@ void render_memory_end(struct render *r) {
     if (m->limit == 0.0) return;
     const struct cache *cache = r->second_pass.cache;
     const double records = stats_get(&r->stats, "records.bytes");
-    // While photons are traced there are no sites and sums, which come after them.
-    const double later = m->fixed - m->kept + record_copies(r) * records +
-                         fmax(stats_get(&r->stats, "photons.bytes") - m->visibility, 0.0);
+    // While photons are traced there are no sites and sums, which come after them, but for passes.
+    const double photons = render_steps(r)->passes
+                               ? m->photons
+                               : fmax(stats_get(&r->stats, "photons.bytes") - m->visibility, 0.0);
+    const double later = m->fixed - m->kept + record_copies(r) * records + photons;
     if (cache && cache_full(cache))
         log_message(r->log, SATIN_LOG_WARNING,
                     "option memory: no records beyond %zu; where they are missing, samples gather",
