@@ -215,7 +215,11 @@ void render_memory_limit_cache(const struct render *r, struct cache *cache, int 
 }
 
 size_t render_memory_adapted(const struct render *r) {
-    return r->memory.limit > 0.0 ? (size_t)ceil(adapted_sites(&r->options)) : SIZE_MAX;
+    if (r->memory.limit == 0.0) return SIZE_MAX;
+    // Half of what photons and records leave; the other half is for further records.
+    const double rest = bytes_left(r) - record_copies(r) * cache_bytes(r->second_pass.cache);
+    const double more = 0.5 * fmax(rest, 0.0) / (sizeof(struct fill_site) + COMPARED_BYTES);
+    return (size_t)ceil(adapted_sites(&r->options) + more);
 }
 
 void render_memory_end(struct render *r) {
