@@ -15,6 +15,7 @@ extern "C" {
 
 // The progress of a render. `stage` is one of these static texts, in this order; stages that the
 // options do not need are left out:
+//   forecast          a small render, if the caller asks for a forecast
 //   photons           photon maps and the first-pass radiance estimate
 //   BRDF tables       glossy BRDFs in harmonics
 //   indirect bounces  records at the surfaces of indirect bounces, by first pass `recursive`
@@ -27,10 +28,10 @@ extern "C" {
 // number of seconds until the whole render ends: by the speed of the image so far, but at most what
 // is left of options->time, from which it is known in all stages. During records the image is taken
 // to last as long as it usually does after such records, so that the whole is right within half of
-// it or so. Denoising after an image without a time limit is not included. Negative: not known.
-// Of an animation, `frame` is the number of images that were begun, of `frames`, and `left`
-// includes all of them; else both are 0. Texts are static, and a stage has the same pointer in all
-// calls; the struct is valid during the call.
+// it or so; and so is it from the photons on with a forecast. Denoising after an image without a
+// time limit is not included. Negative: not known. Of an animation, `frame` is the number of images
+// that were begun, of `frames`, and `left` includes all of them; else both are 0. Texts are static,
+// and a stage has the same pointer in all calls; the struct is valid during the call.
 typedef struct satin_progress {
     const char *stage, *unit;
     double done, rate, elapsed, left;
@@ -62,6 +63,11 @@ typedef struct satin_callbacks {
     void *log_user;
     satin_progress_fn progress;  // NULL: no progress, no cancellation
     void *progress_user;
+    // Whether progress->left shall be known from the photons on, where two passes have no limit of
+    // time. A small render measures that first, which takes a hundredth of the time or so. It does
+    // not affect the image. Not of an animation, a render that is resumed, and first pass
+    // `recursive`.
+    bool forecast;
     // Files of cache records: read before records are made, and written after. NULL: none. The file
     // must have been made for the same scene, with any sensor, and with the same options, except
     // those that do not affect records; otherwise SATIN_ERROR_INPUT, with one logged line. The same

@@ -164,6 +164,10 @@ struct app_progress {
 };
 
 void app_progress_start(struct app_progress *progress, bool quiet);
+// Whether a bar is drawn, with the time that is left.
+static inline bool app_progress_bar(const struct app_progress *progress) {
+    return progress->terminal && !progress->quiet;
+}
 // A satin_progress_fn; `user` is a struct app_progress. Returns true, which cancels the render,
 // after a signal.
 bool app_progress_update(void *user, const satin_progress *now);

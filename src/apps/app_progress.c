@@ -234,7 +234,7 @@ bool app_progress_update(void *user, const satin_progress *now) {
     p->last = now->elapsed;
     p->rate = now->rate;
     snprintf(p->unit, sizeof p->unit, "%s", now->unit ? now->unit : "items");
-    if (!p->quiet && p->terminal && time - p->last_draw >= REDRAW_SECONDS) {
+    if (app_progress_bar(p) && time - p->last_draw >= REDRAW_SECONDS) {
         draw_bar(p, now);
         p->last_draw = time;
     }

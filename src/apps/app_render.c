@@ -222,6 +222,7 @@ static satin_status run_shown(const struct app_render_request *r, const satin_sc
                                        .animation = animation,
                                        .progress = show_progress,
                                        .progress_user = shown,
+                                       .forecast = first && app_progress_bar(shown->progress),
                                        .load_cache = r->load,
                                        .save_cache = r->save,
                                        .checkpoint = r->checkpoint,

@@ -130,6 +130,28 @@ static satin_status make_frame(struct render *r, satin_film **film) {
     return status == SATIN_OK ? finish_film(r, status, film) : status;
 }
 
+// All before the image, of a render within another one.
+static satin_status make_inner(struct render *r) {
+    satin_status status = first_pass(r);
+    if (status == SATIN_OK) status = prepare_records(r);
+    if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS)) status = render_records(r);
+    return status;
+}
+
+// If the caller wants to know early how long the render will take, measures that by a small one.
+static void forecast(struct render *r) {
+    if (!render_forecasts(r)) return;
+    satin_options options;
+    satin_film *film = NULL;
+    struct render *small = render_forecast_new(r, &options);
+    satin_status status = small ? prepare(small, &r->scene, &options) : SATIN_ERROR_MEMORY;
+    if (status == SATIN_OK) status = make_inner(small);
+    if (status == SATIN_OK) status = make_frame(small, &film);
+    if (status == SATIN_OK) render_forecast_take(r, small);
+    satin_film_free(film);
+    render_free(small);
+}
+
 // The image of a frame in which objects have moved, by a render of its own.
 static satin_status make_moved_frame(struct render *at_rest, satin_film **film) {
     satin_scene *scene = NULL;
@@ -138,9 +160,7 @@ static satin_status make_moved_frame(struct render *at_rest, satin_film **film) 
     if (status == SATIN_OK) status = render_frame_scene(at_rest, &scene);
     if (status == SATIN_OK) status = prepare(r, scene, at_rest->motion.options);
     status = render_ranks_agree(at_rest, status);
-    if (status == SATIN_OK) status = first_pass(r);
-    if (status == SATIN_OK) status = prepare_records(r);
-    if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS)) status = render_records(r);
+    if (status == SATIN_OK) status = make_inner(r);
     if (status == SATIN_OK) status = make_frame(r, film);
     if (r && r->outcome.error_logged) at_rest->outcome.error_logged = true;
     render_free(r);
@@ -176,6 +196,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = render_ranks_compare(r);
     if (status == SATIN_OK) status = render_frames_ask(r);
     if (status == SATIN_OK) status = render_checkpoint_open(r);
+    if (status == SATIN_OK) forecast(r);
     if (status == SATIN_OK) status = first_pass(r);
     if (status == SATIN_OK) status = prepare_records(r);
     if (status == SATIN_OK && render_has_stage(r, STAGE_RECORDS)) status = render_records(r);

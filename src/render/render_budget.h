@@ -210,6 +210,8 @@ enum { RENDER_FIRST_PIXELS = 8, RENDER_VIEW_PIXELS = 4096 };
 // The largest block, and the sites at which it ends: what is seen through glass has several sites
 // in a pixel. They take 28 MB.
 enum { RENDER_BLOCK_PIXELS = 65536, RENDER_BLOCK_SITES = 81920 };
+// The pixels of a block whose sites are searched at a time: 128 chunks, in 11 MB.
+enum { RENDER_TRACED_PIXELS = 8192 };
 // Whether the rest of a level is filled in a view after the first one, of whose last `pixels`
 // pixels `made` records were made: at least one per RENDER_VIEW_PIXELS.
 bool render_budget_view_pays(double made, double pixels);

@@ -63,7 +63,8 @@ static double adapted_sites(const satin_options *o) {
 // The sites of a block of pixels or, after it, of adaptive caching, and a batch of records.
 static double site_bytes(const satin_options *o) {
     const double pixels = (double)o->width * (double)o->height, site = sizeof(struct fill_site);
-    const double traced = 4.0 * fmin(pixels, 8192.0), block = fmin(pixels, RENDER_BLOCK_PIXELS);
+    const double traced = 4.0 * fmin(pixels, RENDER_TRACED_PIXELS),
+                 block = fmin(pixels, RENDER_BLOCK_PIXELS);
     const double adapted = o->adaptive_cache ? adapted_sites(o) : 0.0;
     const double order = o->radiance_cache ? o->radiance_order : 0.0;
     return 4.0 * pixels + traced * site +

@@ -145,11 +145,21 @@ static double expected_seconds(const struct render *r, double first) {
            others / first;
 }
 
+// Builds the maps from the first photons, a fraction of them. Others of all of them follow, or of
+// up to `most` times as many.
+static satin_status build_some(struct render *r, double fraction, double most) {
+    const double done = fraction / (fraction + most);
+    render_stage_range(r, 0.0, done);
+    const satin_status status =
+        render_photon_maps(r, &(struct render_photon_counts){fraction, 1.0, 1.0});
+    render_stage_range(r, done, 1.0 - done);
+    return status;
+}
+
 // Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
     if (render_can_trace_paths(r)) render_limit_photon_pilot(r);
-    const satin_status status =
-        render_photon_maps(r, &(struct render_photon_counts){fraction, 1.0, 1.0});
+    const satin_status status = build_some(r, fraction, 1.0);
     if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);
 }
@@ -202,8 +212,7 @@ static satin_status measure_caustics(struct render *r, double *factor) {
     struct photon_request request = {.scene = &r->scene, .options = &r->options};
     satin_status status = render_photon_emission(r, &request);
     if (status != SATIN_OK || !request.emission) return status;
-    const struct render_photon_counts first = {render_budget_first_photons(), 1.0, 1.0};
-    status = render_photon_maps(r, &first);
+    status = build_some(r, render_budget_first_photons(), most);
     if (status != SATIN_OK) return status;
     *factor += (most - 1.0) * caustics(r);
     render_drop_photons(r, before);

@@ -16,6 +16,7 @@ static const struct stage_report {
     const char *part;  // name of the part of the work, if the step does not begin one of its own
 } stage_reports[] = {
     [STAGE_SETUP] = {"setup", "", NULL, "other"},
+    [STAGE_FORECAST] = {"forecast", "", "time.forecast_s", "forecast"},
     [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s", "photons"},
     [STAGE_TABLES] = {"BRDF tables", "materials", "time.tables_s", "tables"},
     [STAGE_BOUNCES] = {"indirect bounces", "", "time.bounces_s", "bounces"},
@@ -87,22 +88,44 @@ static const double SPEED_DONE = 0.01, SPEED_SECONDS = 0.5;
 static const double IMAGE_OF_REST = 1.2;
 
 // The seconds that the image will take, where all before it takes `rest`.
-static double usual_image_seconds(const satin_options *o, double rest) {
+static double image_after(const struct render *r, double rest) {
+    const satin_options *o = &r->options;
+    if (r->progress.forecast.image > 0.0) return r->progress.forecast.image;
     return IMAGE_OF_REST * rest * (double)o->spp / options_quality_spp(o->quality);
+}
+
+// The seconds that the present stage is forecast to take; INFINITY: there is no forecast of it.
+static double stage_forecast(const struct render_progress *at) {
+    if (!(at->forecast.image > 0.0)) return INFINITY;
+    if (at->stage == STAGE_TABLES) return 0.0;
+    if (at->stage == STAGE_RECORDS) return at->forecast.records;
+    return at->stage == STAGE_IMAGE ? at->forecast.image : INFINITY;
+}
+
+// The seconds until the present stage ends, `seconds` after it began: by the forecast, and the more
+// of it is done, by its speed so far. At its beginning that is misleading: the first samples of
+// pixels take less time than those of noisy pixels. INFINITY: not known.
+static double stage_left(const struct render *r, double done, double seconds) {
+    const double own = done - r->progress.skipped, forecast = stage_forecast(&r->progress);
+    const bool measured = own > SPEED_DONE && seconds > SPEED_SECONDS;
+    if (!measured) return fmax(forecast - seconds, 0.0);
+    const double whole = seconds / own;
+    return (1.0 - done) * (isfinite(forecast) ? (1.0 - done) * forecast + done * whole : whole);
 }
 
 double render_progress_left(const struct render *r, double done, double elapsed) {
     const struct render_progress *at = &r->progress;
     const double seconds = elapsed - (at->stage_start - at->start);
     const bool limited = r->options.time > 0.0;
-    const double own = done - at->skipped;
     const double limit = limited ? fmax(r->options.time - elapsed, 0.0) : INFINITY;
-    // Photons say nothing of the cost of records and image.
+    // Photons and tables say nothing of the cost of records and image.
     const bool records = at->stage == STAGE_RECORDS && !r->callbacks.animation;
-    const bool priced = records || at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
+    const bool early = at->stage < STAGE_RECORDS && at->forecast.image > 0.0;
+    const bool late = at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
     double left = INFINITY;
-    if (priced && own > SPEED_DONE && seconds > SPEED_SECONDS) left = seconds * (1.0 - done) / own;
-    if (records) left += usual_image_seconds(&r->options, elapsed + left);
+    if (early || records || late) left = stage_left(r, done, seconds);
+    if (early) left += at->forecast.records;
+    if (early || records) left += image_after(r, elapsed + left);
     if (r->frames.view || r->motion.at_rest) left = render_frames_left(r, left, elapsed);
     left = fmin(left, limit);
     return isfinite(left) ? left : -1.0;

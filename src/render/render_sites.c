@@ -7,10 +7,7 @@
 #include "base/array.h"
 #include "render/render_state.h"
 
-enum {
-    SITES_PER_PIXEL = 4,  // largest number
-    TRACED_PIXELS = 8192  // pixels that are traced at a time, in 11 MB; 128 chunks
-};
+enum { SITES_PER_PIXEL = 4 };  // largest number
 
 struct site_search {
     const struct render *r;
@@ -87,7 +84,7 @@ satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *
                                size_t *count, size_t most, bool adaptive,
                                struct render_sites *sites) {
     const char *part = parallel_begin_part(r->pool, "sites");
-    const size_t block = *count < TRACED_PIXELS ? *count : TRACED_PIXELS;
+    const size_t block = *count < RENDER_TRACED_PIXELS ? *count : RENDER_TRACED_PIXELS;
     struct site_search s = {
         .r = r, .shade = r->second_pass.shade, .view = view, .adaptive = adaptive};
     s.shade.camera = scene_camera_at(&r->scene, view);

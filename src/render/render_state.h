@@ -13,11 +13,12 @@
 // The stages of a render, in the order of the light. The table in render_progress.c has what is
 // reported of each.
 enum render_stage {
-    STAGE_SETUP,    // options, files and memory; like STAGE_FILM not reported, so not cancelled
-    STAGE_PHOTONS,  // photons and the first-pass radiance estimate
-    STAGE_TABLES,   // BRDFs in harmonics
-    STAGE_BOUNCES,  // records at the surfaces of indirect bounces
-    STAGE_RECORDS,  // records at the surfaces that are seen
+    STAGE_SETUP,     // options, files and memory; like STAGE_FILM not reported, so not cancelled
+    STAGE_FORECAST,  // a small render, which measures how long this one will take
+    STAGE_PHOTONS,   // photons and the first-pass radiance estimate
+    STAGE_TABLES,    // BRDFs in harmonics
+    STAGE_BOUNCES,   // records at the surfaces of indirect bounces
+    STAGE_RECORDS,   // records at the surfaces that are seen
     STAGE_IMAGE,
     STAGE_DENOISE,
     STAGE_FILM
@@ -49,6 +50,11 @@ struct course_steps {
     bool coarse;  // the image has only its first samples, and is completed after the cancellation
 };
 
+// The seconds that records and image are expected to take, by a small render; 0: there was none.
+struct render_forecast {
+    double records, image;
+};
+
 // The progress of the render, and what ends it: its deadline, or the caller, who may cancel it.
 struct render_progress {
     enum render_stage stage;         // current stage
@@ -66,7 +72,8 @@ struct render_progress {
     double range_done;            // fraction of it that was reported
     double maps_done, map_at;     // of photons: before the current map, and before its current part
     double last_report;           // wall clock at the last report to the caller
-    double write_pixel_seconds;   // of one core for writing a pixel of the film; 0: no time limit
+    struct render_forecast forecast;
+    double write_pixel_seconds;  // of one core for writing a pixel of the film; 0: no time limit
 };
 
 // The first pass: photons, and the visibility of the lights.
@@ -240,6 +247,14 @@ double render_progress_left(const struct render *r, double done, double elapsed)
 // Reports to the caller, if it is time to. False if the caller has cancelled now, and not before.
 bool render_progress_report(struct render *r, double done);
 
+// ---- render_forecast.c
+// Whether a small render is to measure how long this one will take.
+bool render_forecasts(const struct render *r);
+// Begins the small render, whose options are set. NULL if there is no memory.
+struct render *render_forecast_new(struct render *r, satin_options *small);
+// Takes what the small render, which has ended, has measured.
+void render_forecast_take(struct render *r, const struct render *small);
+
 // ---- render_photons.c
 // Reduces the photons that a quality has chosen if their paths have very many bounces.
 satin_status render_reduce_photons(struct render *r);
@@ -405,7 +420,7 @@ struct render_sites {
 };
 // Replaces the sites by those that are seen by camera number `view` of the scene in `count` pixels,
 // in the order of the pixels; if `adaptive`, with the members for fill_adapt. When there are `most`
-// sites, it ends within 8192 pixels, and sets `count` to those that were searched.
+// sites, it ends within RENDER_TRACED_PIXELS, and sets `count` to those that were searched.
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *pixel,
                                size_t *count, size_t most, bool adaptive,
