@@ -138,12 +138,17 @@ class Page:
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
                   deviceScaleFactor=1, mobile=phone)
         self.call("Emulation.setTouchEmulationEnabled", enabled=phone)
-        self.call("Emulation.setEmulatedMedia",
-                  features=[{"name": "prefers-color-scheme", "value": scheme}])
+        self.scheme = scheme
+        self.media("screen")
         failed = self.call("Page.navigate", url=self.url).get("errorText")
         assert not failed, f"{self.url}: {failed}"
         self.wait_for("location.href !== 'about:blank' && document.readyState === 'complete'")
         self.wait(0.3)
+
+    def media(self, kind):
+        """Shows the page as on a `screen` or in `print`."""
+        self.call("Emulation.setEmulatedMedia", media="" if kind == "screen" else kind,
+                  features=[{"name": "prefers-color-scheme", "value": self.scheme}])
 
     def call(self, method, **parameters):
         result = self.browser.call(method, self.session, **parameters)
