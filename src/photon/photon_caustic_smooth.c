@@ -158,8 +158,15 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
     if (plane && (sites->index || parallel_stopped(pool))) status = SATIN_CANCELLED;
     if (!plane || !sites->index) goto end;
     struct photon_fitting fitting = {scene, sites, plane};
-    if (!parallel_for(pool, sites->count, SMOOTH_CHUNK, photon_fit_planes, &fitting)) goto end;
-    if (!parallel_for(pool, sites->count, SMOOTH_CHUNK, photon_evaluate_planes, &fitting)) goto end;
+    const struct parallel_results planes = {
+        .slot = {{plane, sizeof *plane}, {sites->slope, sizeof *sites->slope}}};
+    if (!parallel_for_results(pool, sites->count, SMOOTH_CHUNK, photon_fit_planes, &fitting,
+                              &planes))
+        goto end;
+    const struct parallel_results slopes = {.slot = {{sites->slope, sizeof *sites->slope}}};
+    if (!parallel_for_results(pool, sites->count, SMOOTH_CHUNK, photon_evaluate_planes, &fitting,
+                              &slopes))
+        goto end;
     memcpy(sites->value, plane, sites->count * sizeof *plane);
     if (sites->count / STRIDE_WIDER >= SITES_LEAST) {
         struct photon_sites wider;
@@ -170,7 +177,8 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
         if (status != SATIN_OK) goto end;
     }
     struct photon_reading reading = {scene, sites, position, value};
-    status = parallel_for(pool, count, SMOOTH_CHUNK, photon_read_planes, &reading)
+    const struct parallel_results values = {.slot = {{value, sizeof *value}}};
+    status = parallel_for_results(pool, count, SMOOTH_CHUNK, photon_read_planes, &reading, &values)
                  ? SATIN_OK
                  : SATIN_CANCELLED;
 end:
@@ -187,7 +195,12 @@ satin_status photon_caustic_smooth(const struct photon_precompute *what, struct 
     if (sites_make(count, irradiance->position.scale, &sites)) {
         struct estimating loop = {.what = what, .irradiance = irradiance, .sites = &sites};
         atomic_init(&loop.failed, false);
-        if (!parallel_for(pool, count, SMOOTH_CHUNK, estimate_sites, &loop))
+        const struct parallel_results found = {
+            .slot = {{sites.position.row, 6 * sizeof *sites.position.row},
+                     {sites.position.clear, sizeof *sites.position.clear},
+                     {sites.value, sizeof *sites.value},
+                     {sites.noise, sizeof *sites.noise}}};
+        if (!parallel_for_results(pool, count, SMOOTH_CHUNK, estimate_sites, &loop, &found))
             status = SATIN_CANCELLED;
         else if (!atomic_load(&loop.failed))
             status = SATIN_OK;
