@@ -20,11 +20,11 @@ import tomllib
 import runs
 
 # As in chapter 3: harmonics of order 10, a = .15 without a later second accuracy, no adaptation, no
-# clamping by gradients, and records at least .3 pixel wide (R- = 2 pixels, times a).
+# clamping by gradients or curvature, and records at least .3 pixel wide (R- = 2 pixels, times a).
 THESIS = ["adaptive-sampling=off", "light-samples=8", "radiance-order=10", "radiance-a=.15",
           "irradiance-a=.15", "radiance-widen=1", "irradiance-widen=1", "adaptive-cache=off",
-          "radiance-gradient-clamp=off", "radiance-min-pixels=.3", "radiance-max-pixels=100000",
-          "guide-clusters=off"]
+          "radiance-gradient-clamp=off", "radiance-curvature-clamp=off", "radiance-min-pixels=.3",
+          "radiance-max-pixels=100000", "guide-clusters=off"]
 # The parts of a render (`parts.NAME.serial_s` and `parallel_s` in its statistics) that are these.
 RECORDS = ("records", "sites", "choose", "gather", "insert", "adapt")
 IMAGE = ("image", "plan", "rims")

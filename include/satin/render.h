@@ -65,8 +65,8 @@ typedef struct satin_callbacks {
     void *progress_user;
     // Whether progress->left shall be known from the photons on, where two passes have no limit of
     // time. A small render measures that first, which takes a hundredth of the time or so. It does
-    // not affect the image. Not of an animation, a render that is resumed, and first pass
-    // `recursive`.
+    // not affect the image. Not of an animation, a render that is resumed, one with fewer than
+    // 100,000 samples, and first pass `recursive`.
     bool forecast;
     // Files of cache records: read before records are made, and written after. NULL: none. The file
     // must have been made for the same scene, with any sensor, and with the same options, except

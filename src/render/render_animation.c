@@ -125,9 +125,10 @@ double render_frames_left(const struct render *r, double left, double elapsed) {
     const struct render_frames *f = &r->frames;
     const int later = render_frames_count(r) - f->begun;
     // Each later image takes the mean time of those before; the first one, as long as it will.
-    const double whole =
-        f->begun > 1 ? (f->start - f->images_start) / (f->begun - 1) : elapsed - f->start + left;
-    return left + later * whole;
+    const double mean = (f->start - f->images_start) / fmax(f->begun - 1, 1.0);
+    if (f->begun <= 1) return left + later * (elapsed - f->start + left);
+    // A short frame shows no speed of its own.
+    return (isfinite(left) ? left : fmax(mean - (elapsed - f->start), 0.0)) + later * mean;
 }
 
 // The words of all that the images depend on. The records of a file do not count if they are those

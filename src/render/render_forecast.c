@@ -9,7 +9,7 @@
 static const double FEW_PIXELS = 1600.0;
 
 // A render of fewer samples ends so soon that a forecast would be a large part of it.
-static const double SAMPLES_LEAST = 5e5;
+static const double SAMPLES_LEAST = 1e5;
 
 // What else it has.
 enum { FEW_SAMPLES = 4, FEW_PHOTONS = 3000, FEW_IRRADIANCE_RAYS = 48, FEW_RADIANCE_RAYS = 96 };

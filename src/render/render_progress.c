@@ -124,6 +124,7 @@ double render_progress_left(const struct render *r, double done, double elapsed)
     const bool late = at->stage == STAGE_IMAGE || at->stage == STAGE_DENOISE;
     double left = INFINITY;
     if (early || records || late) left = stage_left(r, done, seconds);
+    if (early) left = fmax(left, at->photons_end - elapsed);
     if (early) left += at->forecast.records;
     if (early || records) left += image_after(r, elapsed + left);
     if (r->frames.view || r->motion.at_rest) left = render_frames_left(r, left, elapsed);
@@ -197,6 +198,21 @@ static double photons_done(struct render_progress *at, const char *part, double 
     return 0.0;
 }
 
+// Estimates at photons of caustics, and their smoothing, over those at as many of indirect light.
+static const double CAUSTICS_OF_REST = 1.4;
+
+// When photons end at the earliest, as soon as those of caustics are traced: there may be many more
+// of them than of indirect light, whose irradiance has been precomputed by then.
+static void expect_caustics(struct render *r) {
+    struct render_progress *at = &r->progress;
+    const double indirect = stats_get(&r->stats, "photons.stored_indirect"),
+                 caustic = stats_get(&r->stats, "photons.stored_caustic"),
+                 seconds = stats_get(&r->stats, "photons.precompute_s");
+    if (caustic == at->caustics || !(indirect > 0.0)) return;
+    at->caustics = caustic;
+    at->photons_end = render_elapsed(r) + CAUSTICS_OF_REST * seconds * caustic / indirect;
+}
+
 // The fraction of the current range that is done, when `done` of a loop is. A pass with photons of
 // its own takes as long as the passes before it.
 static double range_done(struct render *r, double done) {
@@ -207,6 +223,7 @@ static double range_done(struct render *r, double done) {
         done = fmin((stats_wall() - at->range_start) / (before * at->loop_span), 1.0);
     } else if (at->stage == STAGE_PHOTONS) {
         done = photons_done(at, parallel_work_name(r->pool), done);
+        expect_caustics(r);
     }
     return at->range_done = fmax(at->range_done, done);
 }
@@ -246,5 +263,5 @@ void render_stage_range(struct render *r, double done, double span) {
     at->loop_done = done;
     at->loop_span = span;
     at->range_start = stats_wall();
-    at->range_done = at->maps_done = at->map_at = 0.0;
+    at->range_done = at->maps_done = at->map_at = at->photons_end = at->caustics = 0.0;
 }

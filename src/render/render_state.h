@@ -71,7 +71,9 @@ struct render_progress {
     double range_start;           // wall clock at the beginning of that range
     double range_done;            // fraction of it that was reported
     double maps_done, map_at;     // of photons: before the current map, and before its current part
-    double last_report;           // wall clock at the last report to the caller
+    double photons_end, caustics;  // seconds after the beginning until which photons take, by so
+                                   // many photons of caustics; 0: not known
+    double last_report;            // wall clock at the last report to the caller
     struct render_forecast forecast;
     double write_pixel_seconds;  // of one core for writing a pixel of the film; 0: no time limit
 };

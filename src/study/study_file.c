@@ -15,7 +15,7 @@ enum { FILE_BYTES_MAX = 1 << 20, SEEDS_MAX = 1000, PIECES_MAX = 1000, NAME_BYTES
 // Independent images of a reference, unless the file has another number. Their variance estimates
 // that of their mean; with 8 of them its relative error is a half per pixel, and far less in the
 // sum over an image.
-enum { PIECES_DEFAULT = 8, SEEDS_DEFAULT = 4 };
+enum { PIECES_DEFAULT = 8, PIECES_SPPM = 2, SEEDS_DEFAULT = 4 };
 
 // ---- Errors -------------------------------------------------------------------------------------
 
@@ -245,6 +245,15 @@ static bool all_have_references(const struct study *s) {
     return true;
 }
 
+// The number of pieces of a reference with these settings, which may be NULL. Each piece of
+// integrator sppm has a bias of its own, which falls with its passes.
+static uint64_t usual_pieces(const struct toml_node *set) {
+    const struct toml_node *integrator = set ? toml_find(set, "integrator") : NULL;
+    const bool sppm =
+        integrator && integrator->kind == TOML_TEXT && strcmp(integrator->text, "sppm") == 0;
+    return sppm ? PIECES_SPPM : PIECES_DEFAULT;
+}
+
 static bool take_reference(struct study_reader *r, const struct toml_node *table) {
     static const char *const known[] = {"spp", "pieces", "set", NULL};
     struct study *s = r->out;
@@ -257,7 +266,7 @@ static bool take_reference(struct study_reader *r, const struct toml_node *table
         return false;
     const struct toml_node *spp = toml_find(table, "spp"), *pieces = toml_find(table, "pieces");
     const struct toml_node *set = toml_find(table, "set");
-    uint64_t count = PIECES_DEFAULT;
+    uint64_t count = usual_pieces(set);
     if (!spp) return toml_wrong(&r->toml, table, "it needs the key 'spp'");
     if (!take_count(r, spp, 2, 1e9, &s->reference_spp)) return false;
     if (pieces && !take_count(r, pieces, 2, PIECES_MAX, &count)) return false;

@@ -156,6 +156,10 @@ static void speed_replaces_it(void **state) {
                                     .forecast = {.records = 8.0, .image = 20.0}}};
     assert_true(render_progress_left(&r, 0.0, 0.1) < 0.0);
     assert_float_equal(render_progress_left(&r, 0.5, 3.0), 3.0 + 8.0 + 20.0, 1e-9);
+    // Photons of caustics are expected to take until 25 seconds after the beginning.
+    r.progress.photons_end = 25.0;
+    assert_float_equal(render_progress_left(&r, 0.5, 3.0), 22.0 + 8.0 + 20.0, 1e-9);
+    r.progress.photons_end = 0.0;
     r.progress.stage = STAGE_TABLES;
     assert_float_equal(render_progress_left(&r, 0.0, 0.1), 28.0, 1e-9);
     r.progress.stage = STAGE_RECORDS;

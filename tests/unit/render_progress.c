@@ -101,12 +101,26 @@ static void the_time_that_is_left_is_that_of_the_whole_render(void **state) {
     assert_float_equal(render_progress_left(&r, 0.75, 8.0), 4.0, 1e-9);
 }
 
+// Frames that are too short for a speed of their own take as long as those before.
+static void short_frames_take_as_long_as_others(void **state) {
+    (void)state;
+    struct camera view;
+    struct render r = {.progress = {.stage = STAGE_IMAGE, .start = 100.0, .stage_start = 109.9},
+                       .frames = {.view = &view, .wanted = 10, .begun = 5}};
+    r.frames.images_start = 2.0;
+    r.frames.start = 10.0;  // four frames took two seconds each
+    assert_float_equal(render_progress_left(&r, 0.0, 10.5), 1.5 + 5.0 * 2.0, 1e-9);
+    r.frames.begun = 1;
+    assert_true(render_progress_left(&r, 0.0, 10.0) < 0.0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_decide_the_first_course),
         cmocka_unit_test(without_final_gathering_the_first_pass_decides),
         cmocka_unit_test(steps_follow_the_course),
         cmocka_unit_test(the_time_that_is_left_is_that_of_the_whole_render),
+        cmocka_unit_test(short_frames_take_as_long_as_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
