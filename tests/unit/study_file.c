@@ -89,6 +89,22 @@ static void equal_time_is_an_axis(void **state) {
     study_file_free(&s);
 }
 
+// As each piece of integrator sppm has a bias of its own.
+static void a_reference_by_sppm_has_two_pieces(void **state) {
+    (void)state;
+    struct study s;
+    const char *const sppm = TEST_HEAD "reference.set = {integrator = \"sppm\"}\n";
+    assert_int_equal(test_read(sppm, &s), SATIN_OK);
+    assert_int_equal(s.reference_pieces, 2);
+    study_file_free(&s);
+    const char *const more = TEST_HEAD
+        "reference.set = {integrator = \"sppm\"}\n"
+        "reference.pieces = 4\n";
+    assert_int_equal(test_read(more, &s), SATIN_OK);
+    assert_int_equal(s.reference_pieces, 4);
+    study_file_free(&s);
+}
+
 static void no_option_is_called_as_a_statistic(void **state) {
     (void)state;
     satin_option_info info;
@@ -146,6 +162,7 @@ int main(void) {
         cmocka_unit_test(points_are_the_product),
         cmocka_unit_test(lists_and_options_together),
         cmocka_unit_test(equal_time_is_an_axis),
+        cmocka_unit_test(a_reference_by_sppm_has_two_pieces),
         cmocka_unit_test(no_option_is_called_as_a_statistic),
         cmocka_unit_test(errors_name_line_and_key),
     };
