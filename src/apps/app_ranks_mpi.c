@@ -89,21 +89,30 @@ static bool has_ended(const struct mpi_state *state, int rank) {
            kill(other->pid, 0) != 0 && errno == ESRCH;
 }
 
+// The first rank on this machine that has ended; the number of all ranks if none has.
+static int find_ended(const struct mpi_state *state) {
+    int rank = 0;
+    while (rank < state->count && !has_ended(state, rank)) rank++;
+    return rank;
+}
+
+static void report_ended(const struct mpi_state *state, int rank) {
+    fprintf(stderr,
+            "satin: error: rank %d (process %ld) was killed; what was done is in the checkpoint, "
+            "if there is one\n",
+            rank, (long)state->process[rank].pid);
+}
+
 // If a rank has ended without a message, ends this one; the first one that is left on the machine
 // reports it.
 static void look_for_ranks(struct mpi_state *state) {
-    int ended = 0;
-    while (ended < state->count && !has_ended(state, ended)) ended++;
+    const int ended = find_ended(state);
     if (ended == state->count || mpi_fetch_add(state, COUNTER_ABORTS, 0) > 0) return;
     int first = 0;
     while (first < state->own && (has_ended(state, first) || is_spare(state, first) ||
                                   !same_machine(state, first, state->own)))
         first++;
-    if (first == state->own)
-        fprintf(stderr,
-                "satin: error: rank %d (process %ld) was killed; what was done is in the "
-                "checkpoint, if there is one\n",
-                ended, (long)state->process[ended].pid);
+    if (first == state->own) report_ended(state, ended);
     // This ends all others too.
     MPI_Abort(MPI_COMM_WORLD, APP_FAILED);
 }
@@ -233,7 +242,12 @@ static const satin_ranks *mpi_begin(const char **problem) {
 }
 
 static void mpi_end(int status) {
+    const struct mpi_state *state = mpi_state_get();
     MPI_Request request;
+    // All ranks are still there, unless one that waited was killed; mpirun has then cancelled the
+    // render.
+    const int ended = status == APP_CANCELLED && state->own == 0 ? find_ended(state) : state->count;
+    if (ended < state->count) report_ended(state, ended);
     MPI_Ibcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
     MPI_Wait(&request, MPI_STATUS_IGNORE);
     // The window is left to MPI: freeing it would need all ranks.
