@@ -5,7 +5,8 @@
   bench/ranks.py DIR [SCENE ...]   data scenes by name, others by the path of their file
 
 Every scene is rendered by one, two and four ranks of one thread each, alternating; the wall times
-are the least of all repeats. The model takes CPU times of the first rank, which other processes
+are the least of all repeats. With --slow, two ranks are bound to a core each, and one of these
+cores has another process to do, too: a rank half as fast as the other. The model takes CPU times of the first rank, which other processes
 hardly change: loops that are divided take half of their CPU time with two ranks, all others take
 as much as with one. On R ranks a render takes
 
@@ -14,8 +15,11 @@ as much as with one. On R ranks a render takes
 seconds, where the divided loops are joined by log2 R hops each, and each rank gets the results of
 all others. Not in the model: that ranks wait for the last one, which takes one chunk at most.
 """
+import contextlib
 import math
 import os
+import subprocess
+import sys
 
 import runs
 
@@ -26,20 +30,51 @@ BANDWIDTH = 1e9   # bytes per second of a rank
 SCENES = ["cornell-glossy", "cornell-metal", "caustic", "indirect-room"]
 
 
+def render_by(options, n, scene, args, bound=""):
+    """The statistics of a render by n ranks; `bound` is what binds a rank to a core."""
+    program = options.satin
+    options.satin = os.path.join(options.dir, "satin-by-ranks") if n > 1 else program
+    if n > 1:
+        with open(options.satin, "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\nexec mpirun --oversubscribe --bind-to none "
+                       f'-n {n} {bound} {program} "$@"\n')
+        os.chmod(options.satin, 0o755)
+    stats = runs.render(options, scene, "ranks", *args, "--threads", "1")[1]
+    options.satin = program
+    return stats
+
+
 def measure(options, scene, args):
     """Statistics of the runs by number of ranks."""
     found = {n: [] for n in RANKS}
-    program = options.satin
     for _ in range(options.repeats):
         for n, of in found.items():
-            options.satin = os.path.join(options.dir, "satin-by-ranks") if n > 1 else program
-            if n > 1:
-                with open(options.satin, "w", encoding="utf-8") as file:
-                    file.write(f'#!/bin/sh\nexec mpirun --oversubscribe -n {n} {program} "$@"\n')
-                os.chmod(options.satin, 0o755)
-            of.append(runs.render(options, scene, "ranks", *args, "--threads", "1")[1])
-            options.satin = program
+            of.append(render_by(options, n, scene, args))
     return found
+
+
+@contextlib.contextmanager
+def busy(core):
+    """Another process on a core."""
+    with subprocess.Popen(["taskset", "-c", str(core), sys.executable, "-c", "while True: pass"]) \
+            as process:
+        yield
+        process.kill()
+
+
+def print_slow(options, scene, args):
+    """Wall times of two ranks, alternating: both alone on their cores, and one of them not."""
+    first, second = sorted(os.sched_getaffinity(0))[:2]
+    bound = (f"sh -c 'exec taskset -c $(($OMPI_COMM_WORLD_RANK ? {second} : {first})) \"$@\"' "
+             "satin")
+    alone, beside = [], []
+    for _ in range(options.repeats):
+        alone.append(render_by(options, 2, scene, args, bound))
+        with busy(second):
+            beside.append(render_by(options, 2, scene, args, bound))
+    walls = [least(found, lambda s: s["time.total_s"]) for found in (alone, beside)]
+    print(f"Two ranks: {walls[0]:.2f} s; {walls[1]:.2f} s, {walls[1] / walls[0]:.2f} times as "
+          "long, with one half as fast.\n", flush=True)
 
 
 def cpu(stats, quantity):
@@ -81,7 +116,7 @@ def main():
     # In a container all are root; Open MPI wants that said.
     os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     runs.measure_all(__doc__, SCENES, "production", 2,
-                     lambda *render: print_table(measure(*render)))
+                     lambda *render: print_table(measure(*render)), slow=print_slow)
 
 
 if __name__ == "__main__":

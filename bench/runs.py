@@ -29,13 +29,18 @@ def parser(description, what=()):
     return p
 
 
-def measure_all(doc, scenes, quality, repeats, measure):
-    """Calls measure(options, scene, arguments of the render) for each scene and quality."""
+def measure_all(doc, scenes, quality, repeats, measure, **others):
+    """Calls measure(options, scene, arguments of the render) for each scene and quality, or that of
+    the others whose name is given as a flag."""
     p = parser(doc)
+    for flag, other in others.items():
+        p.add_argument("--" + flag, dest="measure", action="store_const", const=other,
+                       help="see above")
     p.add_argument("scene", nargs="*", default=scenes)
     p.add_argument("--quality", default=quality)
     p.add_argument("--size", default="400x400", help="WIDTHxHEIGHT")
     p.add_argument("--repeats", type=int, default=repeats)
+    p.set_defaults(measure=measure)
     options = p.parse_args()
     os.makedirs(options.dir, exist_ok=True)
     width, height = options.size.split("x")
@@ -43,7 +48,8 @@ def measure_all(doc, scenes, quality, repeats, measure):
         scene = name if name.endswith(".xml") else scene_file(name)
         for each in options.quality.split(","):
             print(f"{name}, {each}, {options.size}\n", flush=True)
-            measure(options, scene, ["--quality", each, "--width", width, "--height", height])
+            options.measure(options, scene, ["--quality", each, "--width", width,
+                                             "--height", height])
 
 
 def run(args, env=None):
