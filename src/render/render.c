@@ -94,7 +94,8 @@ static satin_status prepare_records(struct render *r) {
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
 static satin_status sample_image(struct render *r) {
     render_limit_image(r);
-    return render_image_fill(r);
+    const satin_status status = render_checkpoint_add_samples(r);
+    return status == SATIN_OK ? render_image_fill(r) : status;
 }
 
 // Makes the film of a render that has ended, denoised if the options include that. A cancelled
@@ -196,6 +197,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = render_ranks_compare(r);
     if (status == SATIN_OK) status = render_frames_ask(r);
     if (status == SATIN_OK) status = render_checkpoint_open(r);
+    if (status == SATIN_OK) render_frames_skip(r);
     if (status == SATIN_OK) forecast(r);
     if (status == SATIN_OK) status = first_pass(r);
     if (status == SATIN_OK) status = prepare_records(r);

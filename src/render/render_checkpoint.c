@@ -23,7 +23,9 @@ struct render_checkpoint {
     struct checkpoint_file *file;     // NULL: another rank has it, or nothing more is written
     struct checkpoint_file *ended;    // the file of an animation whose frames are begun; else NULL
     struct parallel_journal journal;  // of the pool
-    char *identity;                   // of this render, from malloc
+    char *identity;                   // of this render, and its word FIRST_SPP; from malloc
+    int first_spp;                    // samples per pixel that the first process was to take
+    int spp;                          // those of this one, if it adds samples; else 0
     char *chosen;                     // with a time limit, the options' words; from malloc
     struct bytes image;               // with a time limit, the state of the image that was read
     size_t image_at;                  // offset in it, behind what is of the time limit
@@ -55,22 +57,43 @@ static satin_status refuse_other(const struct render *r, const struct identity_w
                     here->at + here->name + 1);
 }
 
-// Whether two words are the number of samples per pixel, and that of the checkpoint is less.
-static bool adds_samples(const struct identity_word *here, const struct identity_word *there) {
-    return render_identity_is(here, "spp") && atol(there->at + 4) < atol(here->at + 4);
+// A word behind those of the render: photons and records are as many as if this were spp.
+static const char FIRST_SPP[] = "first-spp";
+
+static long number_of(const struct identity_word *word) { return atol(word->at + word->name + 1); }
+
+// Whether two words are the number of samples per pixel, and that of the checkpoint is less. The
+// frames of an animation have no more samples than others that were made with the same records.
+static bool adds_samples(const struct render *r, const struct identity_word *here,
+                         const struct identity_word *there) {
+    return !r->callbacks.animation && render_identity_is(here, "spp") &&
+           number_of(there) < number_of(here);
 }
 
-// Compares the words of two identities: only samples may be added.
-static satin_status compare_identities(const struct render *r, const char *here,
-                                       const char *there) {
+// Compares the words of two identities: only samples may be added. Takes FIRST_SPP from there.
+static satin_status compare_identities(struct render *r, const char *here, const char *there) {
     struct identity_word a, b;
     while (render_identity_differ(&here, &there, &a, &b)) {
         if (a.name != b.name || strncmp(a.at, b.at, a.name) != 0)
             return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint of another version",
                             r->callbacks.checkpoint);
-        if (!adds_samples(&a, &b)) return refuse_other(r, &a, &b);
+        if (render_identity_is(&a, FIRST_SPP))
+            r->checkpoint->first_spp = (int)number_of(&b);
+        else if (!adds_samples(r, &a, &b))
+            return refuse_other(r, &a, &b);
     }
     return SATIN_OK;
+}
+
+// Sets the identity of this render.
+static satin_status make_identity(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    char *words = render_identity(r), *all = NULL;
+    if (words && asprintf(&all, "%s %s=%d", words, FIRST_SPP, c->first_spp) < 0) all = NULL;
+    free(words);
+    free(c->identity);
+    c->identity = all;
+    return all ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
 // ---- Opening ------------------------------------------------------------------------------------
@@ -162,8 +185,11 @@ static satin_status identify(struct render *r) {
                           r->callbacks.checkpoint);
     else
         status = compare_identities(r, c->identity, (const char *)there.data);
+    if (status == SATIN_OK && (c->first_spp < 1 || c->first_spp > r->options.spp))
+        status = log_fail(r->log, SATIN_ERROR_INPUT, "%s: the checkpoint is damaged",
+                          r->callbacks.checkpoint);
     bytes_free(&there);
-    return status;
+    return status == SATIN_OK ? make_identity(r) : status;
 }
 
 static satin_status open_file(struct render *r) {
@@ -171,11 +197,11 @@ static satin_status open_file(struct render *r) {
     const char *path = r->callbacks.checkpoint;
     if (fileio_files_have(&r->scene.read, path))
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: the scene was read from this file", path);
-    c->identity = render_identity(r);
-    if (!c->identity) return SATIN_ERROR_MEMORY;
+    satin_status status = make_identity(r);
+    if (status != SATIN_OK) return status;
     const struct bytes identity = identity_bytes(c);
-    satin_status status = render_checkpoint_file_open(path, &identity, r->callbacks.resume, r->log,
-                                                      &c->resumed, &c->file);
+    status = render_checkpoint_file_open(path, &identity, r->callbacks.resume, r->log, &c->resumed,
+                                         &c->file);
     c->reading = c->resumed;
     if (status == SATIN_OK && c->resumed) status = identify(r);
     c->reading_passing = c->resumed;
@@ -210,9 +236,31 @@ static satin_status open_timed(struct render *r) {
     return c->chosen ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
+// Until there is an image, all is done as by the first process, whose samples these are.
+static void begin_with_first_samples(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    const int first = (int)render_agreed(r, c->first_spp);
+    if (first == r->options.spp) return;
+    c->spp = r->options.spp;
+    r->options.spp = first;
+}
+
+satin_status render_checkpoint_add_samples(struct render *r) {
+    struct render_checkpoint *c = r->checkpoint;
+    if (!c || !c->spp) return SATIN_OK;
+    r->options.spp = c->spp;
+    c->spp = 0;
+    const struct cache *cache = r->second_pass.shade.records.cache;
+    shade_destroy(&r->second_pass.shade);
+    return render_shading(r, cache);
+}
+
 satin_status render_checkpoint_open(struct render *r) {
-    // An animation whose frames are all complete does no work.
-    if (!r->callbacks.checkpoint || (r->callbacks.animation && !r->frames.wanted)) return SATIN_OK;
+    if (!r->callbacks.checkpoint) return SATIN_OK;
+    // An animation whose frames are all complete does no work, but a checkpoint serves no more
+    // then.
+    const bool needed = !r->callbacks.animation || r->frames.wanted;
+    if (!needed && render_agreed(r, access(r->callbacks.checkpoint, F_OK)) != 0.0) return SATIN_OK;
     const bool timed = r->options.time > 0.0;
     if (timed && !render_timed_resumes(r))
         return log_fail(r->log, SATIN_ERROR_INPUT,
@@ -220,8 +268,10 @@ satin_status render_checkpoint_open(struct render *r) {
                         "set spp instead of time");
     struct render_checkpoint *c = r->checkpoint = calloc(1, sizeof *c);
     if (!c) return SATIN_ERROR_MEMORY;
+    c->first_spp = r->options.spp;
     satin_status status = render_is_first(r) ? open_file(r) : SATIN_OK;
     status = render_ranks_status(r, status);
+    if (status == SATIN_OK) begin_with_first_samples(r);
     if (status == SATIN_OK && timed) status = open_timed(r);
     if (status == SATIN_OK && !timed)
         parallel_set_journal(r->pool, render_is_first(r) ? &c->journal : NULL, PARALLEL_ALL_LOOPS);

@@ -33,6 +33,8 @@ struct entry_head {
 struct checkpoint_file {
     const char *path;
     int fd;
+    struct log log;
+    bool warned;     // that an entry is damaged
     uint64_t next;   // offset of the next entry
     uint64_t first;  // offset behind the identity
     // Offsets of passing entries: of the first that is of use beside a new image, and of the next.
@@ -74,22 +76,49 @@ static bool write_range(int fd, const void *data, size_t size, uint64_t offset) 
     return true;
 }
 
+// The bytes from this offset to the end of the file.
+static uint64_t bytes_left(int fd, uint64_t at) {
+    struct stat st;
+    return fstat(fd, &st) == 0 && (uint64_t)st.st_size > at ? (uint64_t)st.st_size - at : 0;
+}
+
+// Whether the head of an entry, which begins at this offset, can be that of one.
+static bool is_valid_head(const struct entry_head *head, uint64_t begin) {
+    if (begin == sizeof(struct file_head)) return head->kind == CHECKPOINT_IDENTITY;
+    const unsigned kind = head->kind & ~(unsigned)CHECKPOINT_PASSING;
+    const bool passing = head->kind & CHECKPOINT_PASSING,
+               loop = kind == CHECKPOINT_LOOP || kind == CHECKPOINT_PIECE;
+    return passing == (head->passing != 0) && (loop || (kind == CHECKPOINT_IMAGE && !passing));
+}
+
+// An entry that cannot be read, as that of a process which was killed while it wrote. It returns
+// false.
+static bool leave_entry(struct checkpoint_file *file, unsigned kind, uint64_t at) {
+    if (file->warned || kind == CHECKPOINT_IDENTITY) return false;
+    file->warned = true;
+    log_message(file->log, SATIN_LOG_WARNING,
+                "%s: the entry at byte %llu is damaged or incomplete; what it had is made again",
+                file->path, (unsigned long long)at);
+    return false;
+}
+
 bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, uint32_t passing,
                                  struct bytes *out) {
-    const uint64_t begin = passing ? file->next_passing : file->next;
+    const uint64_t begin = passing ? file->next_passing : file->next,
+                   at = begin + sizeof(struct entry_head);
     struct entry_head head;
-    struct stat st;
-    if (!read_range(file->fd, &head, sizeof head, begin) || head.kind != kind ||
-        head.passing != passing || fstat(file->fd, &st) != 0)
-        return false;
-    const uint64_t at = begin + sizeof head;
-    if (head.size > (uint64_t)st.st_size - at) return false;
+    if (bytes_left(file->fd, begin) == 0) return false;
+    if (!read_range(file->fd, &head, sizeof head, begin) || !is_valid_head(&head, begin))
+        return leave_entry(file, kind, begin);
+    if (head.kind != kind || head.passing != passing) return false;
+    if (head.size > bytes_left(file->fd, at)) return leave_entry(file, kind, begin);
     out->count = 0;
     if (!array_reserve((void **)&out->data, &out->capacity, (size_t)head.size + 1, 1) ||
         !read_range(file->fd, out->data, (size_t)head.size, at))
         return false;
     out->count = (size_t)head.size;
-    if (head_of(kind, passing, out).checksum != head.checksum) return false;
+    if (head_of(kind, passing, out).checksum != head.checksum)
+        return leave_entry(file, kind, begin);
     if (passing)
         file->next_passing = at + head.size;
     else if (kind == CHECKPOINT_IMAGE)
@@ -222,7 +251,8 @@ satin_status render_checkpoint_file_open(const char *path, const struct bytes *i
     if (status == SATIN_OK && !file) status = SATIN_ERROR_MEMORY;
     if (file) {
         const uint64_t first = bytes_of_begin(identity);
-        *file = (struct checkpoint_file){.path = path, .fd = fd, .first = *resumed ? 0 : first};
+        *file = (struct checkpoint_file){
+            .path = path, .fd = fd, .log = log, .first = *resumed ? 0 : first};
         go_to(file, *resumed ? sizeof(struct file_head) : first);
         *out = file;
     } else if (fd >= 0) {

@@ -31,7 +31,8 @@ int render_checkpoint_file_number(const struct checkpoint_file *file);  // of th
 
 // Sets *out to the next entry and goes to the one after it, if that can be: the state of an image
 // remains the next one, to be replaced, but passing entries behind it are read in turn. False if
-// the next entry is of another kind, or damaged, or there is none. `kind` has PASSING if `passing`,
+// the next entry is of another kind, or damaged, which the first time is logged as a warning, or
+// there is none. `kind` has PASSING if `passing`,
 // the number of the loop, is not 0.
 bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, uint32_t passing,
                                  struct bytes *out);

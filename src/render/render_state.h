@@ -142,7 +142,8 @@ struct render {
     // the options are resolved: no field means "the scene's" any more. render_resolve sets both.
     // After it the camera is that of the present frame, the integrator that of the course, and a
     // limit of memory may lessen threads and photons, and one of time the photons of integrators
-    // photons and sppm; nothing else changes.
+    // photons and sppm; where samples are added to a checkpoint, spp is its own until the image is
+    // begun. Nothing else changes.
     struct satin_scene scene;
     satin_options options;
     satin_callbacks callbacks;
@@ -195,6 +196,8 @@ void render_views_free(struct render *r);
 // Asks the caller which frames are complete, when all options and files are known. If all are, the
 // course has no steps but the images.
 satin_status render_frames_ask(struct render *r);
+// If all of them are, no photons and records are made.
+void render_frames_skip(struct render *r);
 // The number of frames whose images are made; 0 if there is one image.
 int render_frames_count(const struct render *r);
 // The seconds until all images are made, `elapsed` seconds after the render began, if the present
@@ -355,7 +358,10 @@ bool render_has_checkpoint(const struct render *r);
 void render_checkpoint_end_loops(struct render *r);
 // All frames of the animation are complete, and the checkpoint serves no more.
 void render_checkpoint_remove(struct render *r);
-// To be called when all before the image is done. *restored: the image is as it was when its state
+// To be called when all before the image is done. If this process adds samples to those of another
+// one, the options have as many from now on, and the shading is made for them.
+satin_status render_checkpoint_add_samples(struct render *r);
+// To be called then. *restored: the image is as it was when its state
 // was written. SATIN_ERROR_INPUT, logged, if that is damaged.
 satin_status render_checkpoint_begin_image(struct render *r, bool *restored);
 // Whether the running pass of the image should stop, so that the state of the image is written.
