@@ -102,7 +102,15 @@ satin_status render_memory_begin(struct render *r) {
     const double sums = render_image_bytes(&r->scene, o, &r->callbacks) - film;
     m->fixed = m->kept + fmax(sums, records ? site_bytes(o) : 0.0);
     const double work = render_has_stage(r, STAGE_PHOTONS) || records ? WORK_LEAST : 0.0;
-    const double least = m->fixed + fmax(m->thread / FOR_THREADS, work);
+    double least = m->fixed + fmax(m->thread / FOR_THREADS, work);
+    // Where the sky is visible is learned if that fits.
+    if (least > m->limit && m->visibility > 0.0) {
+        o->guide_visibility = false;
+        m->kept -= m->visibility;
+        m->fixed = m->kept + fmax(sums, records ? site_bytes(o) : 0.0);
+        least -= m->visibility;
+        m->visibility = 0.0;
+    }
     if (least > m->limit) {
         char limit[16], needed[16];
         return log_fail(r->log, SATIN_ERROR_INPUT,
