@@ -107,31 +107,58 @@ int app_frame_check_names(const struct app_render_request *r, int number,
 
 // ---- Complete frames ----------------------------------------------------------------------------
 
-static bool has_file(const char *name) { return !name || access(name, F_OK) == 0; }
+// A message that is kept to be reported as a part of another one.
+struct kept_message {
+    char text[512];
+};
 
-satin_status app_frame_complete(const struct app_render_request *frame, const char *job,
+// A satin_log_fn.
+static void keep_message(void *user, satin_log_severity severity, const char *message) {
+    struct kept_message *kept = user;
+    (void)severity;
+    snprintf(kept->text, sizeof kept->text, "%s", message);
+}
+
+// What makes a film another one than frame `number` of a job. False if it is that frame.
+static bool find_difference(const satin_film *film, int number, const char *job, char *out,
+                            size_t size) {
+    const char *own = film_attribute_get(film, "satin:job"),
+               *frame = film_attribute_get(film, "satin:frame");
+    if (!own || !frame) {
+        snprintf(out, size, "it is none of an animation");
+    } else if (strcmp(own, job) != 0) {
+        const int n = snprintf(out, size, "it has ");
+        render_describe_difference(job, own, out + n, size - (size_t)n);
+        if (strncmp(out + n, "spp=", 4) == 0)
+            strncat(out, ", and samples are not added to frames", size - strlen(out) - 1);
+    } else if (atoi(frame) != number) {
+        snprintf(out, size, "it is frame %s", frame);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+satin_status app_frame_complete(const struct app_render_request *frame, int number, const char *job,
                                 struct log log, bool *complete) {
     satin_film *film = NULL;
+    struct kept_message unread;
+    char difference[256];
     *complete = false;
     if (access(frame->output, F_OK) != 0) return SATIN_OK;
-    const satin_status status = satin_film_read(frame->output, log.fn, log.user, &film);
-    if (status != SATIN_OK) return status;
-    const char *own = film_attribute_get(film, "satin:job");
-    char difference[256] = "is none of an animation";
-    const bool same = own && strcmp(own, job) == 0;
-    if (own && !same) {
-        const int n = snprintf(difference, sizeof difference, "has ");
-        render_describe_difference(job, own, difference + n, sizeof difference - (size_t)n);
-        if (strncmp(difference + n, "spp=", 4) == 0)
-            strncat(difference, ", and samples are not added to frames",
-                    sizeof difference - strlen(difference) - 1);
-    }
+    satin_status status = satin_film_read(frame->output, keep_message, &unread, &film);
+    if (status != SATIN_OK)
+        return log_fail(log, status, "%s; without --resume it is replaced", unread.text);
+    if (find_difference(film, number, job, difference, sizeof difference))
+        status = log_fail(log, SATIN_ERROR_INPUT,
+                          "%s: not a frame of this render: %s; without --resume it is replaced",
+                          frame->output, difference);
+    *complete = status == SATIN_OK && (!frame->stats || access(frame->stats, F_OK) == 0);
+    // The picture may be missing, or of other options for its tones.
+    if (*complete && frame->png)
+        status = film_write_png_as(film, frame->png, &frame->tonemap, &frame->format, log);
     satin_film_free(film);
-    *complete = same && has_file(frame->png) && has_file(frame->stats);
-    if (same) return SATIN_OK;
-    return log_fail(log, SATIN_ERROR_INPUT,
-                    "%s: not a frame of this render: it %s; without --resume it is replaced",
-                    frame->output, difference);
+    return status;
 }
 
 // ---- Arguments ----------------------------------------------------------------------------------

@@ -44,9 +44,10 @@ void app_frame_end(struct app_render_request *frame);
 // frames from `first` to `last`. Reports it and returns APP_WRONG.
 int app_frame_check_names(const struct app_render_request *r, int number,
                           const struct app_render_request *frame, int first, int last);
-// Sets *complete to whether all files of a frame exist, made by this job. SATIN_ERROR_INPUT,
-// logged, if its image is of another one or cannot be read.
-satin_status app_frame_complete(const struct app_render_request *frame, const char *job,
+// Sets *complete to whether the image and the statistics of frame `number` exist, made by this job;
+// its PNG is then written again. SATIN_ERROR_INPUT, logged, if the image is of another job or frame
+// or cannot be read.
+satin_status app_frame_complete(const struct app_render_request *frame, int number, const char *job,
                                 struct log log, bool *complete);
 
 #endif

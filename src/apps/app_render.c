@@ -178,7 +178,7 @@ static satin_status find_frame_files(void *user, int number, const char *job, bo
     const struct log log = {app_log_file, u->progress};
     satin_status status = SATIN_ERROR_MEMORY;
     if (app_frame_begin(u->request, number, &frame) == APP_DONE)
-        status = app_frame_complete(&frame, job, log, complete);
+        status = app_frame_complete(&frame, number, job, log, complete);
     u->count -= status == SATIN_OK && *complete;
     app_frame_end(&frame);
     return status;

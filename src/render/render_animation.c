@@ -131,11 +131,16 @@ double render_frames_left(const struct render *r, double left, double elapsed) {
     return (isfinite(left) ? left : fmax(mean - (elapsed - f->start), 0.0)) + later * mean;
 }
 
-// The words of all that the images depend on. The records of a file do not count if they are those
-// that this render would make.
+// The words of all that the images depend on, and which view is that of a frame. The records of a
+// file do not count if they are those that this render would make.
 static satin_status find_job(struct render *r) {
-    char *identity = render_identity(r), *job = identity;
+    char *words = render_identity(r), *identity = NULL;
+    if (words &&
+        asprintf(&identity, "%s first-frame=%d", words, r->callbacks.animation->number) < 0)
+        identity = NULL;
+    free(words);
     if (!identity) return SATIN_ERROR_MEMORY;
+    char *job = identity;
     struct identity_word word;
     for (const char *at = identity; render_identity_next(&at, &word);) {
         if (render_identity_is(&word, "records") && (!r->second_pass.file || render_cache_whole(r)))
@@ -168,8 +173,11 @@ satin_status render_frames_ask(struct render *r) {
         f->wanted += !*complete;
         status = render_ranks_status(r, status);
     }
-    if (status == SATIN_OK && !f->wanted) render_take_course(r, COURSE_DIRECT);
     return status;
+}
+
+void render_frames_skip(struct render *r) {
+    if (r->callbacks.animation && !r->frames.wanted) render_take_course(r, COURSE_DIRECT);
 }
 
 void render_frames_begin(struct render *r) {
