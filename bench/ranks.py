@@ -6,9 +6,11 @@
 
 Every scene is rendered by one, two and four ranks of one thread each, alternating; the wall times
 are the least of all repeats. With --slow, two ranks are bound to a core each, and one of these
-cores has another process to do, too: a rank half as fast as the other. The model takes CPU times of the first rank, which other processes
-hardly change: loops that are divided take half of their CPU time with two ranks, all others take
-as much as with one. On R ranks a render takes
+cores has another process to do, too: a rank half as fast as the other.
+
+The model takes CPU times of the first rank, which other processes hardly change: loops that are
+divided take half of their CPU time with two ranks, all others take as much as with one. On R ranks
+a render takes
 
     serial + undivided + divided / R + loops * hops * LATENCY + bytes / BANDWIDTH
 

@@ -113,7 +113,7 @@ struct kept_message {
 };
 
 // A satin_log_fn.
-static void keep_message(void *user, satin_log_severity severity, const char *message) {
+static void keep_frame_message(void *user, satin_log_severity severity, const char *message) {
     struct kept_message *kept = user;
     (void)severity;
     snprintf(kept->text, sizeof kept->text, "%s", message);
@@ -146,7 +146,7 @@ satin_status app_frame_complete(const struct app_render_request *frame, int numb
     char difference[256];
     *complete = false;
     if (access(frame->output, F_OK) != 0) return SATIN_OK;
-    satin_status status = satin_film_read(frame->output, keep_message, &unread, &film);
+    satin_status status = satin_film_read(frame->output, keep_frame_message, &unread, &film);
     if (status != SATIN_OK)
         return log_fail(log, status, "%s; without --resume it is replaced", unread.text);
     if (find_difference(film, number, job, difference, sizeof difference))

@@ -77,7 +77,7 @@ static bool write_range(int fd, const void *data, size_t size, uint64_t offset) 
 }
 
 // The bytes from this offset to the end of the file.
-static uint64_t bytes_left(int fd, uint64_t at) {
+static uint64_t file_bytes_from(int fd, uint64_t at) {
     struct stat st;
     return fstat(fd, &st) == 0 && (uint64_t)st.st_size > at ? (uint64_t)st.st_size - at : 0;
 }
@@ -107,11 +107,11 @@ bool render_checkpoint_file_read(struct checkpoint_file *file, unsigned kind, ui
     const uint64_t begin = passing ? file->next_passing : file->next,
                    at = begin + sizeof(struct entry_head);
     struct entry_head head;
-    if (bytes_left(file->fd, begin) == 0) return false;
+    if (file_bytes_from(file->fd, begin) == 0) return false;
     if (!read_range(file->fd, &head, sizeof head, begin) || !is_valid_head(&head, begin))
         return leave_entry(file, kind, begin);
     if (head.kind != kind || head.passing != passing) return false;
-    if (head.size > bytes_left(file->fd, at)) return leave_entry(file, kind, begin);
+    if (head.size > file_bytes_from(file->fd, at)) return leave_entry(file, kind, begin);
     out->count = 0;
     if (!array_reserve((void **)&out->data, &out->capacity, (size_t)head.size + 1, 1) ||
         !read_range(file->fd, out->data, (size_t)head.size, at))
