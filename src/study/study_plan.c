@@ -17,7 +17,7 @@
 
 enum { PROGRAM_BYTES_MAX = 1 << 30 };
 
-// Seeds of the pieces of references are far from those of images.
+// The first seed of a piece of a reference: far from the usual ones of images.
 static const uint64_t REFERENCE_SEED = 1000001;
 
 // A setting of every option, and a few more.
@@ -177,6 +177,12 @@ static satin_status plan_render(struct planner *p, enum study_what what, struct 
 
 // ---- Kinds of renders ---------------------------------------------------------------------------
 
+static bool has_seed(const struct study *s, uint64_t seed) {
+    for (size_t i = 0; i < s->seeds; i++)
+        if (s->seed[i] == seed) return true;
+    return false;
+}
+
 static satin_status plan_reference(struct planner *p, size_t *out) {
     // These decide how an image is computed, not what it shows.
     static const char *const without[] = {"integrator", "first-pass",        "spp",     "time",
@@ -188,14 +194,16 @@ static satin_status plan_reference(struct planner *p, size_t *out) {
     snprintf(
         spp, 24, "%llu",
         (unsigned long long)((s->reference_spp + s->reference_pieces - 1) / s->reference_pieces));
-    for (size_t i = 0; i < s->reference_pieces; i++) {
+    uint64_t seed = REFERENCE_SEED;
+    for (size_t i = 0; i < s->reference_pieces; i++, seed++) {
         struct combined set = {.count = 0};
+        // An image has the noise of a piece with its seed, and would seem too accurate.
+        while (has_seed(s, seed)) seed++;
         combine_one(&set, "integrator", "path");
         combine_one(&set, "spp", spp);
         combine(&set, &s->set, without, NULL);
         combine(&set, &s->reference, NULL, NULL);
-        const satin_status status =
-            plan_render(p, STUDY_REFERENCE, &set, REFERENCE_SEED + i, &out[i]);
+        const satin_status status = plan_render(p, STUDY_REFERENCE, &set, seed, &out[i]);
         if (status != SATIN_OK) return status;
     }
     return SATIN_OK;
