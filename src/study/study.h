@@ -23,8 +23,8 @@ struct study_request {
 // Runs a study, or continues one: renders of which the folder has a result are not repeated. Writes
 // study.csv, study.json and study.html into the folder, also if renders failed or it was
 // interrupted. SATIN_ERROR_INPUT, logged, if the file, a scene or a reference is wrong;
-// SATIN_ERROR_INTERNAL, logged, if a render failed; SATIN_CANCELLED if it was interrupted;
-// SATIN_ERROR_IO and SATIN_ERROR_MEMORY, logged.
+// SATIN_ERROR_INTERNAL, logged, if a render failed or an image cannot be compared; SATIN_CANCELLED
+// if it was interrupted; SATIN_ERROR_IO and SATIN_ERROR_MEMORY, logged.
 satin_status study_run(const struct study_request *request, struct log log);
 
 #endif

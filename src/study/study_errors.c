@@ -160,22 +160,43 @@ static void add_reference_noise(struct comparison *c, satin_film *const *image,
     out->bias2_error = sqrt(out->bias2_error * out->bias2_error + noise);
 }
 
+// The relative variance of the reference, in relMSE, over the pixels that are compared; NAN if it
+// is not known.
+static double reference_noise(const satin_film *reference, const unsigned char *left_out) {
+    double sum = 0.0, values = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const float *r = satin_film_channel(reference, beauty_name[c]);
+        const float *v = film_variance(reference, variance_name[c]);
+        if (!r || !v) return (double)NAN;
+        for (size_t i = 0; i < pixels_of(reference); i++) {
+            if (left_out[i]) continue;
+            sum += (double)v[i] / ((double)r[i] * (double)r[i] + SQUARE_FLOOR);
+            values += 1.0;
+        }
+    }
+    return sum / values;
+}
+
 bool study_errors_find(satin_film *const *image, size_t count,
                        const struct study_reference *reference, bool mask_emission,
                        struct study_errors *out) {
     const double unknown = (double)NAN;
-    *out =
-        (struct study_errors){count, unknown, unknown, unknown, unknown, unknown, unknown, unknown};
-    if (count == 0) return true;
-    struct comparison c = {.x = array_new(count, sizeof *c.x),
+    *out = (struct study_errors){count,   unknown, unknown, unknown, unknown,
+                                 unknown, unknown, unknown, unknown};
+    // An array of no elements would be NULL.
+    const size_t most = count ? count : 1;
+    struct comparison c = {.x = array_new(most, sizeof *c.x),
                            .left_out = array_new(pixels_of(reference->mean), 1),
                            .gram = {.count = count,
-                                    .sum = array_new(count * count, sizeof(double)),
-                                    .mean = array_new(count, sizeof(double))}};
+                                    .sum = array_new(most * most, sizeof(double)),
+                                    .mean = array_new(most, sizeof(double))}};
     const bool memory = c.gram.sum && c.gram.mean && c.x && c.left_out;
     if (memory) {
         for (size_t s = 0; s < count; s++) mark_pixels(image[s], mask_emission, c.left_out);
         mark_pixels(reference->mean, mask_emission, c.left_out);
+        out->reference_noise = reference_noise(reference->mean, c.left_out);
+    }
+    if (memory && count) {
         compare_with(&c, image, reference->mean);
         if (c.gram.values > 0.0) {
             evaluate_gram(&c.gram, out);
@@ -189,16 +210,13 @@ bool study_errors_find(satin_film *const *image, size_t count,
     return memory;
 }
 
-double study_reference_noise(const satin_film *reference) {
-    double sum = 0.0;
-    for (int c = 0; c < 3; c++) {
-        const float *r = satin_film_channel(reference, beauty_name[c]);
-        const float *v = film_variance(reference, variance_name[c]);
-        if (!r || !v) return (double)NAN;
-        for (size_t i = 0; i < pixels_of(reference); i++)
-            sum += (double)v[i] / ((double)r[i] * (double)r[i] + SQUARE_FLOOR);
-    }
-    return sum / (3.0 * (double)pixels_of(reference));
+size_t study_reference_nonfinite(const satin_film *reference) {
+    size_t count = 0;
+    const float *value[3];
+    for (int c = 0; c < 3; c++) value[c] = satin_film_channel(reference, beauty_name[c]);
+    for (size_t i = 0; i < pixels_of(reference); i++)
+        count += !isfinite(value[0][i]) || !isfinite(value[1][i]) || !isfinite(value[2][i]);
+    return count;
 }
 
 // ---- References ---------------------------------------------------------------------------------

@@ -575,9 +575,11 @@
     const least = Math.min(...rows.map((r) => r.relmse).filter((x) => known(x) && x > 0));
     if (missing) lines.push("The study is not complete: " + missing + " renders of this scene are missing.");
     if (failed) lines.push(failed + " renders of this scene failed; the table says why.");
+    const uncompared = rows.some((r) => r.good.some((x) => !known(x.relmse)));
+    if (uncompared) lines.push("Images of this scene cannot be compared with its reference; they have no errors.");
     if (known(noise()) && noise() > least)
       lines.push("The reference's own noise, " + brief(noise(), 2) + " in relMSE, is larger than the least error, " + brief(least, 2) + ". It is subtracted, but the smallest errors are uncertain: give the reference more samples.");
-    if (!known(noise())) lines.push("The noise of this reference is not known, so it is part of all errors.");
+    if (!known(noise()) && !uncompared) lines.push("The noise of this reference is not known, so it is part of all errors.");
     byId("warnings").textContent = lines.join("\n");
   }
 

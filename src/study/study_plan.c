@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "render/render.h"
 #include "satin/film.h"
+#include "study/study_work.h"
 
 enum { PROGRAM_BYTES_MAX = 1 << 30 };
 
@@ -247,7 +248,17 @@ static satin_status plan_image(struct planner *p, const struct study_point *poin
 
 // ---- Scenes and points --------------------------------------------------------------------------
 
-// A reference from a file must have the size that images will have.
+// Warns of pixels of a reference that no image is compared with.
+static void warn_left_out(const struct planner *p, const satin_film *reference) {
+    const struct study_scene *scene = &p->plan->study.scene[p->at];
+    const size_t count = study_reference_nonfinite(reference);
+    if (count)
+        log_warning_at(p->log, scene->at,
+                       "%zu pixel%s of the reference %s %s not finite, and left out", count,
+                       count == 1 ? "" : "s", scene->reference, count == 1 ? "is" : "are");
+}
+
+// A reference from a file must have colours and the size that images will have.
 static satin_status check_reference(struct planner *p) {
     const struct study *s = &p->plan->study;
     const struct study_scene *scene = &s->scene[p->at];
@@ -258,16 +269,25 @@ static satin_status check_reference(struct planner *p) {
     if (!scene->reference) return SATIN_OK;
     combine(&set, &s->set, NULL, NULL);
     satin_status status = resolve_settings(p, &set, &options);
+    if (status == SATIN_OK)
+        status = render_size(p->scene, &options, (struct log){log_at_point, p}, &width, &height);
     if (status == SATIN_OK) status = satin_film_read(scene->reference, log_at_point, p, &film);
     if (status != SATIN_OK) return status;
     satin_film_size(film, &w, &h);
+    if (!satin_film_channel(film, "R") || !satin_film_channel(film, "G") ||
+        !satin_film_channel(film, "B")) {
+        status = SATIN_ERROR_INPUT;
+        log_error_at(p->log, scene->at, "the reference %s has no channels R, G and B",
+                     scene->reference);
+    } else if (w != width || h != height) {
+        status = SATIN_ERROR_INPUT;
+        log_error_at(p->log, scene->at, "the reference %s has %dx%d pixels, images have %dx%d",
+                     scene->reference, w, h, width, height);
+    } else {
+        warn_left_out(p, film);
+    }
     satin_film_free(film);
-    status = render_size(p->scene, &options, (struct log){log_at_point, p}, &width, &height);
-    if (status != SATIN_OK) return status;
-    if (w == width && h == height) return SATIN_OK;
-    log_error_at(p->log, scene->at, "the reference %s has %dx%d pixels, images have %dx%d",
-                 scene->reference, w, h, width, height);
-    return SATIN_ERROR_INPUT;
+    return status;
 }
 
 // Passes on what loading a scene logs. An error that names no line of the scene is at the line of

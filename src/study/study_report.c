@@ -3,10 +3,13 @@
 #include "study/study_report.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "base/fileio.h"
+
+enum { REASON_BYTES = 256 };
 
 const struct study_found *study_report_at(const struct study_report *report, size_t scene,
                                           size_t point) {
@@ -53,56 +56,125 @@ satin_status study_report_reference(const struct study_report *report, size_t sc
 
 // ---- Errors -------------------------------------------------------------------------------------
 
+// A scene whose images are compared.
+struct compared_scene {
+    struct study_report *report;
+    size_t scene;
+    struct study_reference reference;
+    bool failed;  // whether an image could not be compared, which is reported once
+};
+
 static bool has_image(const struct study_render *render) {
     return render && render->result.done && render->result.status == 0 &&
            render->result.signal == 0;
 }
 
+static void keep_reason(void *user, satin_log_severity severity, const char *message) {
+    (void)severity;
+    snprintf(user, REASON_BYTES, "%s", message);
+}
+
+// Reports that an image cannot be compared; `reason` is what the comparison has logged.
+static void report_uncompared(struct compared_scene *c, size_t point, const satin_film *image,
+                              const char *reason) {
+    const struct study *s = &c->report->plan->study;
+    const struct study_scene *scene = &s->scene[c->scene];
+    const satin_film *reference = c->reference.mean;
+    const size_t pixels = (size_t)reference->width * (size_t)reference->height;
+    struct film_difference difference;
+    char *label = study_point_label(s, &s->point[point]);
+    if (c->failed) {
+        free(label);
+        return;
+    }
+    c->failed = true;
+    if (study_reference_nonfinite(reference) == pixels)
+        log_error_at(c->report->log, scene->at, "%s: no pixel of its reference is finite",
+                     scene->name);
+    else if (s->mask_emission &&
+             film_compare(image, reference, false, (struct log){0}, &difference) == SATIN_OK)
+        log_error_at(c->report->log, scene->at,
+                     "%s: %s: %s, because those that see an emitter are left out; "
+                     "mask-emission=false compares them",
+                     scene->name, label ? label : "", reason);
+    else
+        log_error_at(c->report->log, scene->at, "%s: %s: %s", scene->name, label ? label : "",
+                     reason);
+    free(label);
+}
+
+// Finds the errors of one image. They stay NAN if it cannot be compared.
+static void find_image_errors(struct compared_scene *c, size_t point, const satin_film *image,
+                              double *relmse, double *mean_ratio) {
+    struct film_difference difference;
+    char reason[REASON_BYTES] = "";
+    if (film_compare(image, c->reference.mean, c->report->plan->study.mask_emission,
+                     (struct log){keep_reason, reason}, &difference) == SATIN_OK) {
+        *relmse = difference.relmse;
+        *mean_ratio = difference.mean_ratio;
+    } else {
+        report_uncompared(c, point, image, reason);
+    }
+}
+
 // Errors of a point's images, or of those of its first pass: over all seeds, and of each.
-static satin_status compare_point(const struct study_report *report,
-                                  const struct study_reference *reference, size_t scene,
-                                  size_t point, bool first_pass, struct study_errors *out,
-                                  struct study_row *row) {
+static satin_status compare_point(struct compared_scene *c, size_t point, bool first_pass,
+                                  struct study_errors *out, struct study_row *row) {
+    const struct study_report *report = c->report;
     const struct study *s = &report->plan->study;
     satin_film **image = array_new(s->seeds, sizeof *image);
     satin_status status = image ? SATIN_OK : SATIN_ERROR_MEMORY;
     size_t count = 0;
     for (size_t k = 0; k < s->seeds && status == SATIN_OK; k++) {
         const struct study_render *render =
-            first_pass ? study_plan_first_pass(report->plan, scene, point, k)
-                       : study_plan_image(report->plan, scene, point, k);
+            first_pass ? study_plan_first_pass(report->plan, c->scene, point, k)
+                       : study_plan_image(report->plan, c->scene, point, k);
         double *relmse = first_pass ? &row[k].first_pass_relmse : &row[k].relmse;
         double *mean_ratio = first_pass ? &row[k].first_pass_mean_ratio : &row[k].mean_ratio;
-        struct film_difference difference;
         *relmse = *mean_ratio = (double)NAN;
         if (!has_image(render)) continue;
         status = study_store_image(report->store, report->log, render, &image[count]);
-        if (status != SATIN_OK) break;
-        status = film_compare(image[count++], reference->mean, s->mask_emission, report->log,
-                              &difference);
-        *relmse = difference.relmse;
-        *mean_ratio = difference.mean_ratio;
+        if (status == SATIN_OK) find_image_errors(c, point, image[count++], relmse, mean_ratio);
     }
-    if (status == SATIN_OK && !study_errors_find(image, count, reference, s->mask_emission, out))
+    if (status == SATIN_OK &&
+        !study_errors_find(image, count, &c->reference, s->mask_emission, out))
         status = SATIN_ERROR_MEMORY;
     for (size_t k = 0; k < count; k++) satin_film_free(image[k]);
     free(image);
     return status;
 }
 
+// The mean of the points' noise of the reference; NAN if it is not known. Points differ in it by
+// the pixels that their images leave out.
+static double mean_reference_noise(const struct study_report *report, size_t scene) {
+    double sum = 0.0, count = 0.0;
+    for (size_t p = 0; p < report->plan->study.points; p++) {
+        const double noise = study_report_at(report, scene, p)->image.reference_noise;
+        if (!isfinite(noise)) continue;
+        sum += noise;
+        count += 1.0;
+    }
+    return sum / count;
+}
+
 static satin_status compare_scene(struct study_report *report, size_t scene) {
     const struct study *s = &report->plan->study;
-    struct study_reference reference;
-    satin_status status = study_report_reference(report, scene, &reference);
-    if (status == SATIN_OK) report->reference_noise[scene] = study_reference_noise(reference.mean);
+    struct compared_scene c = {.report = report, .scene = scene};
+    satin_status status = study_report_reference(report, scene, &c.reference);
+    const size_t nonfinite = status == SATIN_OK ? study_reference_nonfinite(c.reference.mean) : 0;
+    // A reference from a file has been checked when the study was planned.
+    if (nonfinite && !s->scene[scene].reference)
+        log_warning_at(report->log, s->scene[scene].at,
+                       "%s: %zu of the pixels of its reference are not finite, and left out",
+                       s->scene[scene].name, nonfinite);
     for (size_t p = 0; p < s->points && status == SATIN_OK; p++) {
         struct study_found *found = &report->found[scene * s->points + p];
-        status = compare_point(report, &reference, scene, p, false, &found->image, found->row);
-        if (status == SATIN_OK)
-            status =
-                compare_point(report, &reference, scene, p, true, &found->first_pass, found->row);
+        status = compare_point(&c, p, false, &found->image, found->row);
+        if (status == SATIN_OK) status = compare_point(&c, p, true, &found->first_pass, found->row);
     }
-    study_reference_free(&reference);
+    report->reference_noise[scene] = mean_reference_noise(report, scene);
+    report->uncompared += c.failed;
+    study_reference_free(&c.reference);
     return status;
 }
 
@@ -138,7 +210,8 @@ satin_status study_report_write(const struct study_store *store, const struct st
                                   log,
                                   array_new(points, sizeof(struct study_found)),
                                   array_new(s->scenes, sizeof(double)),
-                                  array_new(points * s->seeds, sizeof(struct study_row))};
+                                  array_new(points * s->seeds, sizeof(struct study_row)),
+                                  0};
     satin_status status =
         report.found && report.reference_noise && report.rows ? SATIN_OK : SATIN_ERROR_MEMORY;
     for (size_t i = 0; i < points && status == SATIN_OK; i++)
@@ -146,6 +219,10 @@ satin_status study_report_write(const struct study_store *store, const struct st
     for (size_t i = 0; i < s->scenes && status == SATIN_OK; i++) status = compare_scene(&report, i);
     if (status == SATIN_OK) status = write_files(&report);
     if (status == SATIN_ERROR_MEMORY) log_message(log, SATIN_LOG_ERROR, "not enough memory");
+    if (status == SATIN_OK && report.uncompared)
+        status = log_fail(log, SATIN_ERROR_INTERNAL,
+                          "%s: images of %zu of %zu scenes cannot be compared", s->root->at.file,
+                          report.uncompared, s->scenes);
     free(report.found);
     free(report.reference_noise);
     free(report.rows);

@@ -23,12 +23,14 @@ struct study_report {
     const struct study_store *store;
     struct log log;
     struct study_found *found;  // [scene][point]
-    double *reference_noise;    // of each scene
+    double *reference_noise;    // of each scene, the mean over its points
     struct study_row *rows;
+    size_t uncompared;  // number of scenes of which an image could not be compared
 };
 
-// Compares all images with the references, writes study.csv, study.json and study.html. Errors are
-// SATIN_ERROR_INPUT, SATIN_ERROR_IO and SATIN_ERROR_MEMORY, logged.
+// Compares all images with the references, writes study.csv, study.json and study.html.
+// SATIN_ERROR_INTERNAL, logged, if there are images that cannot be compared, of which no errors are
+// written; SATIN_ERROR_INPUT, SATIN_ERROR_IO and SATIN_ERROR_MEMORY, logged.
 satin_status study_report_write(const struct study_store *store, const struct study_plan *plan,
                                 struct log log);
 

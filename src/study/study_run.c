@@ -189,11 +189,12 @@ static satin_status run_all(struct running *r) {
     status = run_points(r);
     if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
     const satin_status written = study_report_write(r->store, r->plan, r->log);
-    if (written != SATIN_OK) return written;
+    // Images that cannot be compared are treated as renders that failed.
+    if (written != SATIN_OK && written != SATIN_ERROR_INTERNAL) return written;
     if (status == SATIN_OK && r->failed)
         return log_fail(r->log, SATIN_ERROR_INTERNAL, "%s: %zu of %zu renders failed",
                         r->request->file, r->failed, r->total);
-    return status;
+    return status == SATIN_OK ? written : status;
 }
 
 // Reports what would be rendered.

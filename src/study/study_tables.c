@@ -56,7 +56,7 @@ static void csv_row(const struct study_report *report, size_t scene, size_t poin
                              row->first_pass_mean_ratio,
                              found->first_pass.bias2,
                              found->first_pass.variance,
-                             report->reference_noise[scene],
+                             found->image.reference_noise,
                              if_positive(result->lookup_error)};
     const double counts[] = {if_positive(result->spp), if_positive(result->photons),
                              if_positive(result->records), if_positive(result->threads),

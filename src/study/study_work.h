@@ -67,6 +67,9 @@ struct study_errors {
     double variance;      // the rest: mean over pixels of the variance between seeds
     double mean_ratio;    // mean of the image over that of the reference
     double mean_ratio_error;
+    // The relative variance of the reference itself in the pixels that are compared, in relMSE; NAN
+    // if it is not known. Without images, in those that the reference has to compare.
+    double reference_noise;
 };
 
 // A scene's reference.
@@ -85,6 +88,6 @@ bool study_reference_average(satin_film *const *piece, size_t count, struct stud
 bool study_errors_find(satin_film *const *image, size_t count,
                        const struct study_reference *reference, bool mask_emission,
                        struct study_errors *out);
-// The relative variance of the reference itself, in relMSE; NAN if it is not known.
-double study_reference_noise(const satin_film *reference);
+// The number of pixels of a reference, which has channels R, G and B, that are not finite.
+size_t study_reference_nonfinite(const satin_film *reference);
 #endif

@@ -76,11 +76,8 @@ static void noise_of_the_reference_is_subtracted(void **state) {
     const double w = 0.01 / PIECES, n = 3.0 * SIDE * SIDE;
     const struct study_errors e = test_errors(IMAGES, 0.0, 0.01, 0.1);
     assert_true(fabs(e.bias2) < 5.0 * sqrt(2.0 / n) * (w + 1e-4));
-    struct study_reference reference = test_reference(0.1);
     // The 1.01 is a mean over 1 / (r^2 + .01), which noise of r changes by less than 1 %.
-    assert_true(fabs(study_reference_noise(reference.mean) - w / 1.01) < 0.03 * w);
-    assert_int_equal(reference.pieces, PIECES);
-    study_reference_free(&reference);
+    assert_true(fabs(e.reference_noise - w / 1.01) < 0.03 * w);
 }
 
 static void few_seeds_leave_the_rest_unknown(void **state) {
@@ -90,7 +87,7 @@ static void few_seeds_leave_the_rest_unknown(void **state) {
     e = test_errors(2, 0.0, 0.1, 0.0);
     assert_true(isfinite(e.bias2) && isfinite(e.variance) && isnan(e.bias2_error));
     e = test_errors(0, 0.0, 0.1, 0.0);
-    assert_true(isnan(e.relmse) && e.images == 0);
+    assert_true(isnan(e.relmse) && e.images == 0 && e.reference_noise == 0.0);
 }
 
 static void emitters_and_what_is_not_finite_are_left_out(void **state) {
@@ -110,10 +107,31 @@ static void emitters_and_what_is_not_finite_are_left_out(void **state) {
     study_reference_free(&reference);
 }
 
+// The noise of the reference is that of the pixels of which the error is.
+static void noise_of_the_reference_is_of_compared_pixels(void **state) {
+    (void)state;
+    struct study_reference reference = test_reference(0.1);
+    struct study_errors before, e;
+    satin_film *image = test_image(1, 0.0, 0.0);
+    assert_int_equal(reference.pieces, PIECES);
+    assert_true(study_errors_find(&image, 1, &reference, true, &before));
+    film_channel(image, "emission.G")[5] = 1.0f;
+    film_channel(reference.mean, "variance.R")[5] = 1e6f;
+    film_channel(reference.mean, "B")[7] = NAN;
+    assert_int_equal(study_reference_nonfinite(reference.mean), 1);
+    assert_true(study_errors_find(&image, 1, &reference, true, &e));
+    assert_true(fabs(e.reference_noise / before.reference_noise - 1.0) < 0.01);
+    assert_true(study_errors_find(&image, 1, &reference, false, &e));
+    assert_true(e.reference_noise > 10.0);
+    satin_film_free(image);
+    study_reference_free(&reference);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bias_and_variance_are_separated),
         cmocka_unit_test(noise_of_the_reference_is_subtracted),
+        cmocka_unit_test(noise_of_the_reference_is_of_compared_pixels),
         cmocka_unit_test(few_seeds_leave_the_rest_unknown),
         cmocka_unit_test(emitters_and_what_is_not_finite_are_left_out),
     };
