@@ -136,7 +136,8 @@ const struct option options_table[] = {
      "irradiance is precomputed. If off, it comes from photons."},
     {"guide-clusters", OPTION_BOOL, AT(guide_clusters), false, "off|on",
      "Adds gather rays, at most half as many as a hemisphere has, towards clusters of photons, "
-     "which are small and brightly lit areas."},
+     "which are small and brightly lit areas. The photons that are searched for clusters are "
+     "traced with the others, which have other paths then."},
     {"guide-visibility", OPTION_BOOL, AT(guide_visibility), false, "off|on",
      "Samples direct light by the fraction of each light that is visible near the point, for "
      "example of the sky through windows. It has an effect with integrator two-pass."},

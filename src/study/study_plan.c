@@ -216,10 +216,17 @@ static satin_status plan_reference(struct planner *p, size_t *out) {
 static satin_status plan_first_pass(struct planner *p, const struct study_point *point,
                                     uint64_t seed, size_t *out) {
     static const char *const always[] = {"denoise", "record-maps", NULL};
-    static const char *const without[] = {
-        "denoise",           "record-maps",       "adaptive-cache",      "origin-shift",
-        "leak-test",         "record-max-radius", "gather-radius-ratio", "glossy-samples",
-        "recursive-bounces", "guide-clusters",    "material-cache",      NULL};
+    static const char *const without[] = {"denoise",
+                                          "record-maps",
+                                          "adaptive-cache",
+                                          "origin-shift",
+                                          "leak-test",
+                                          "record-max-radius",
+                                          "gather-radius-ratio",
+                                          "glossy-samples",
+                                          "recursive-bounces",
+                                          "material-cache",
+                                          NULL};
     static const char *const prefix[] = {"irradiance", "radiance", "material.", NULL};
     const struct study *s = &p->plan->study;
     struct combined whole = {.count = 0}, set = {.count = 0};
