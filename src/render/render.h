@@ -21,6 +21,12 @@ satin_status render_check(const satin_scene *scene, const satin_options *options
 satin_status render_size(const satin_scene *scene, const satin_options *options, struct log log,
                          int *width, int *height);
 
+// The options that satin_render begins with: samples, depths and emitters that these options leave
+// open are those of the scene or of the quality. With a time limit, which decides the samples, spp
+// may stay 0. SATIN_ERROR_INPUT, with the line that satin_render would log, or SATIN_ERROR_MEMORY.
+satin_status render_used_options(const satin_scene *scene, const satin_options *options,
+                                 struct log log, satin_options *out);
+
 // Describes by what the render `there` differs from that of `here`, two texts as satin_complete_fn
 // has them: `seed=2 instead of seed=0`. False if they are equal.
 bool render_describe_difference(const char *here, const char *there, char *out, size_t size);

@@ -2,11 +2,13 @@
 // Resolves the options with the scene: options that the caller left open are taken from the scene,
 // or else from a default.
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "render/options_quality.h"
 #include "render/options_table.h"
+#include "render/render.h"
 #include "render/render_state.h"
 
 static int resolve_value(int value, int open, int scene, int scene_open, int fallback) {
@@ -69,4 +71,21 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
         options_quality_seconds(o, render_core_seconds(r), (double)o->width * (double)o->height);
     o->spp = resolve_value(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
+}
+
+satin_status render_used_options(const satin_scene *scene, const satin_options *options,
+                                 struct log log, satin_options *out) {
+    struct render *r = calloc(1, sizeof *r);
+    satin_options used = *options;
+    if (!r) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");
+    r->log = log;
+    const satin_status status = render_resolve(r, scene, options);
+    used.max_depth = r->options.max_depth;
+    used.rr_depth = r->options.rr_depth;
+    used.hide_emitters = r->options.hide_emitters;
+    used.adaptive_sampling = r->options.adaptive_sampling;
+    if (!(used.time > 0.0)) used.spp = r->options.spp;
+    free(r);
+    if (status == SATIN_OK) *out = used;
+    return status;
 }

@@ -18,6 +18,11 @@ struct study_render *study_plan_first_pass(const struct study_plan *plan, size_t
     return at == STUDY_NONE ? NULL : &plan->render[at];
 }
 
+uint64_t study_piece_spp(const struct study *study) {
+    const uint64_t pieces = study->reference_pieces;
+    return pieces ? (study->reference_spp + pieces - 1) / pieces : 0;
+}
+
 char *study_command(const struct study_render *render) {
     struct study_text text = {0};
     study_text_add(&text, "satin render");

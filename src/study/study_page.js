@@ -199,21 +199,27 @@
   // All values that the lines of a chart have, with their bars.
   const extent = (sets) => sets.flatMap((set) => set.data.flatMap((d) => [d.y, d.low, d.high]));
 
+  // Numbers of which one is 0 have a linear axis or, if they differ much, equal distances: a
+  // logarithmic axis has no 0.
+  const LINEAR_RATIO = 20;
+
   function axisScale(axis) {
     const values = axisValues(axis), numbers = values.map(Number);
-    const scale = scaleOf(results.axes[axis], isNumeric(values) ? numbers : []);
-    if (isNumeric(values) && Math.min(...numbers) > 0) {
-      scale.min = Math.min(...numbers) / 1.15;
+    const positive = isNumeric(values) && numbers[0] > 0;
+    const scale = scaleOf(results.axes[axis], positive ? numbers : []);
+    if (positive) {
+      scale.min = numbers[0] / 1.15;
       scale.max = Math.max(...numbers) * 1.15;
       scale.afterBuildTicks = (s) => { s.ticks = values.length <= 8 ? numbers.map((value) => ({ value })) : logTicks(scale.min, scale.max); };
-      scale.ticks.callback = (value) => brief(value, 4);
-    } else if (isNumeric(values)) {
-      scale.ticks.callback = (value) => brief(value, 4);
-    } else {
+    }
+    if (isNumeric(values)) scale.ticks.callback = (value) => brief(value, 4);
+    const sizes = numbers.map(Math.abs).filter((x) => x > 0);
+    if (!isNumeric(values) || (!positive && Math.max(...sizes) > LINEAR_RATIO * Math.min(...sizes))) {
       scale.type = "category";
-      scale.labels = values;
+      scale.labels = isNumeric(values) ? numbers : values;
       scale.offset = true;
-      delete scale.ticks.callback;
+      if (isNumeric(values)) scale.ticks.callback = (i) => brief(numbers[i], 4);
+      else delete scale.ticks.callback;
     }
     return scale;
   }

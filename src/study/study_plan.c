@@ -192,9 +192,7 @@ static satin_status plan_reference(struct planner *p, size_t *out) {
     if (s->scene[p->at].reference) return SATIN_OK;
     char *spp = arena_alloc(&s->arena, 24);
     if (!spp) return fail_memory(p->log);
-    snprintf(
-        spp, 24, "%llu",
-        (unsigned long long)((s->reference_spp + s->reference_pieces - 1) / s->reference_pieces));
+    snprintf(spp, 24, "%llu", (unsigned long long)study_piece_spp(s));
     uint64_t seed = REFERENCE_SEED;
     for (size_t i = 0; i < s->reference_pieces; i++, seed++) {
         struct combined set = {.count = 0};
@@ -341,44 +339,64 @@ static const char *option_text(struct arena *arena, const satin_options *options
     return NULL;
 }
 
+// The options that a render has, with those that a scene or a quality decides.
+static satin_status resolve_used(struct planner *p, const satin_options *options,
+                                 satin_options *out) {
+    return render_used_options(p->scene, options, (struct log){log_at_point, p}, out);
+}
+
 // Whether options are what settings would make of them.
-static bool agree(const satin_options *options, const struct study_settings *set) {
-    satin_options changed = *options;
+static bool agree(struct planner *p, const satin_options *used, const struct study_settings *set) {
+    satin_options changed = *used;
     for (size_t i = 0; i < set->count; i++)
         if (satin_options_set(&changed, set->setting[i].name, set->setting[i].value, NULL, NULL) !=
             SATIN_OK)
             return false;
-    return hash_options(FILEIO_HASH, &changed) == hash_options(FILEIO_HASH, options);
+    return resolve_used(p, &changed, &changed) == SATIN_OK &&
+           hash_options(FILEIO_HASH, &changed) == hash_options(FILEIO_HASH, used);
 }
 
 // What the tables say of a point in a column: the value of the option or, if several options change
 // together, the label of those that the point has. NULL if it has none.
-static const char *cell_text(struct arena *arena, const struct study_column *column,
-                             const satin_options *options) {
-    if (column->is_option) return option_text(arena, options, column->name);
+static const char *cell_text(struct planner *p, const struct study_column *column,
+                             const satin_options *used) {
+    if (column->is_option) return option_text(&p->plan->study.arena, used, column->name);
     for (size_t i = 0; i < column->values; i++)
-        if (agree(options, &column->value[i].set)) return column->value[i].label;
+        if (agree(p, used, &column->value[i].set)) return column->value[i].label;
     return NULL;
 }
 
-// Continues the hashes of all points by their options in the loaded scene. The cells are those of
-// the first scene.
+// Sets what the tables say of a point. If another scene than the first decides another value, it is
+// that which the option has before a scene decides, such as 0.
+static void describe_cells(struct planner *p, struct study_point *point,
+                           const satin_options *options, const satin_options *used) {
+    struct study *s = &p->plan->study;
+    for (size_t c = 0; c < s->columns; c++) {
+        const struct study_column *column = &s->column[c];
+        if (p->at == 0 && (column->is_option || !point->cell[c])) {
+            const char *text = cell_text(p, column, used);
+            if (text) point->cell[c] = text;
+        } else if (p->at > 0 && column->is_option) {
+            const char *text = option_text(&s->arena, used, column->name);
+            if (text && point->cell[c] && strcmp(text, point->cell[c]) != 0)
+                point->cell[c] = option_text(&s->arena, options, column->name);
+        }
+    }
+}
+
+// Continues the hashes of all points by the options that they have in the loaded scene.
 static satin_status describe_points(struct planner *p, uint64_t *hash) {
     struct study *s = &p->plan->study;
     for (size_t i = 0; i < s->points; i++) {
-        struct study_point *point = &s->point[i];
         struct combined set = {.count = 0};
-        satin_options options;
+        satin_options options, used;
         combine(&set, &s->set, NULL, NULL);
-        combine(&set, &point->set, NULL, NULL);
-        const satin_status status = resolve_settings(p, &set, &options);
+        combine(&set, &s->point[i].set, NULL, NULL);
+        satin_status status = resolve_settings(p, &set, &options);
+        if (status == SATIN_OK) status = resolve_used(p, &options, &used);
         if (status != SATIN_OK) return status;
-        hash[i] = hash_options(p->at == 0 ? FILEIO_HASH : hash[i], &options);
-        for (size_t c = 0; c < s->columns && p->at == 0; c++) {
-            const bool labelled = !s->column[c].is_option && point->cell[c];
-            const char *text = labelled ? NULL : cell_text(&s->arena, &s->column[c], &options);
-            if (text) point->cell[c] = text;
-        }
+        hash[i] = hash_options(p->at == 0 ? FILEIO_HASH : hash[i], &used);
+        describe_cells(p, &s->point[i], &options, &used);
     }
     return SATIN_OK;
 }

@@ -74,6 +74,8 @@ struct study_render *study_plan_image(const struct study_plan *plan, size_t scen
                                       size_t seed);
 struct study_render *study_plan_first_pass(const struct study_plan *plan, size_t scene,
                                            size_t point, size_t seed);
+// The samples per pixel of each piece of a reference that is rendered; 0 if none is.
+uint64_t study_piece_spp(const struct study *study);
 // A command line that repeats a render, for a shell. From malloc; NULL if there is no memory.
 char *study_command(const struct study_render *render);
 // A point as text: its name, or the labels of what varies. From malloc, as above.

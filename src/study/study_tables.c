@@ -228,8 +228,8 @@ void study_report_json(const struct study_report *report, struct study_text *out
     study_text_add(out, ",\n  \"question\": ");
     study_text_json(out, s->question ? s->question : "");
     study_text_add(out, ",\n  \"mask_emission\": %s, \"reference_spp\": %llu, \"seeds\": %zu,\n",
-                   s->mask_emission ? "true" : "false", (unsigned long long)s->reference_spp,
-                   s->seeds);
+                   s->mask_emission ? "true" : "false",
+                   (unsigned long long)(study_piece_spp(s) * s->reference_pieces), s->seeds);
     study_text_add(out, "  \"reference_integrator\": ");
     study_text_json(out, reference_integrator(s));
     study_text_add(out, ",\n");
