@@ -54,7 +54,8 @@ int app_study(int argc, char **argv) {
     app_set_reading(true);
     app_catch_signals();
     app_ignore_closed_pipes();
-    const int result = app_exit_of(study_run(&request, (struct log){app_log_file, NULL}));
+    const struct log log = {quiet ? app_log_file_errors : app_log_file, NULL};
+    const int result = app_exit_of(study_run(&request, log));
     if (result == APP_DONE && !request.dry && !quiet)
         fprintf(stderr, "%s/study.html\n", request.folder);
     if (result == APP_CANCELLED && !quiet) fprintf(stderr, "stopped; the same command goes on\n");

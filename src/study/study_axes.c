@@ -271,6 +271,17 @@ static bool is_set_anywhere(const struct study *s, const char *name) {
     return any;
 }
 
+// Whether a value of `key`, which sets the option `name`, is one; errors name the key that the file
+// has.
+static bool is_equal_value(struct study_reader *r, const struct toml_node *key,
+                           const struct toml_node *value, const char *name) {
+    struct toml_node named = *value;
+    named.key = key->key;
+    if (value->kind == TOML_NUMBER && !(value->number > 0.0))
+        return toml_wrong(&r->toml, &named, "%s is not more than 0", value->text);
+    return study_is_option_value(r, &named, name);
+}
+
 // Gives every point each of the values of `key`, one or a list, as the option `name`.
 static bool multiply_points(struct study_reader *r, const struct toml_node *node,
                             const char *name) {
@@ -279,9 +290,9 @@ static bool multiply_points(struct study_reader *r, const struct toml_node *node
         return toml_wrong(&r->toml, node, "with it, neither time nor spp may be set or vary");
     struct toml_node one = *node, list = {.kind = TOML_ARRAY, .child = &one, .count = 1};
     if (node->kind == TOML_ARRAY) list = *node;
+    if (list.count == 0) return toml_wrong(&r->toml, node, "it has no values");
     for (size_t i = 0; i < list.count; i++)
-        if (list.child[i].kind == TOML_NUMBER && !(list.child[i].number > 0.0))
-            return toml_wrong(&r->toml, node, "%s is not more than 0", list.child[i].text);
+        if (!is_equal_value(r, node, &list.child[i], name)) return false;
     one.key = NULL;
     char *key = study_array(r, strlen(name) + 1, 1);
     if (!key) return false;

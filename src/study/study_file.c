@@ -77,15 +77,17 @@ static bool is_allowed(struct study_reader *r, const struct toml_node *node, boo
     return true;
 }
 
-bool study_take_option(struct study_reader *r, const struct toml_node *node, bool varies,
-                       struct study_settings *out) {
+bool study_is_option_value(struct study_reader *r, const struct toml_node *node, const char *name) {
     satin_options scratch = satin_options_default;
     struct option_error error = {r, node};
-    if (!is_allowed(r, node, varies)) return false;
     if (!node->text) return toml_wrong(&r->toml, node, "it must be one value");
-    if (satin_options_set(&scratch, node->key, node->text, log_option_error, &error) != SATIN_OK)
-        return false;
-    out->setting[out->count++] = (satin_setting){node->key, node->text};
+    return satin_options_set(&scratch, name, node->text, log_option_error, &error) == SATIN_OK;
+}
+
+bool study_take_option(struct study_reader *r, const struct toml_node *node, bool varies,
+                       struct study_settings *out) {
+    if (!is_allowed(r, node, varies) || !study_is_option_value(r, node, node->key)) return false;
+    out->setting[out->count++] = (struct study_setting){node->key, node->text, node->at};
     return true;
 }
 
@@ -146,21 +148,28 @@ static bool is_file_name(const char *name) {
     return *name && *name != '.' && strlen(name) <= NAME_BYTES_MAX;
 }
 
-static bool add_scene(struct study_reader *r, const struct toml_node *file, const char *name) {
+// `name` is NULL if the file of the study gives the scene none.
+static bool add_scene(struct study_reader *r, const struct toml_node *file,
+                      const struct toml_node *name) {
     struct study *s = r->out;
+    const struct toml_node *named = name ? name : file;
     if (!study_is(r, file, TOML_TEXT, "the name of a scene's file")) return false;
     struct study_scene *scene = &s->scene[s->scenes];
     *scene = (struct study_scene){.path = path_beside(r, file), .at = file->at};
     if (!scene->path) return false;
-    scene->name = name ? name : name_of_scene(r, scene->path);
+    scene->name = name ? name->text : name_of_scene(r, scene->path);
+    if (!scene->name) {
+        fail_without_memory(&r->toml);
+        return false;
+    }
     if (!is_file_name(scene->name))
-        return toml_wrong(&r->toml, file,
+        return toml_wrong(&r->toml, named,
                           "a scene's name has 1 to %d bytes, does not begin with a dot, and has "
                           "no slash and no line end",
                           NAME_BYTES_MAX);
     for (size_t i = 0; i < s->scenes; i++)
         if (strcmp(s->scene[i].name, scene->name) == 0)
-            return toml_wrong(&r->toml, file,
+            return toml_wrong(&r->toml, named,
                               "two scenes are called '%s'; give them names in [[scene]]",
                               scene->name);
     s->scenes++;
@@ -176,7 +185,7 @@ static bool add_scene_table(struct study_reader *r, const struct toml_node *tabl
     const struct toml_node *define = toml_find(table, "define");
     if (!file) return toml_wrong(&r->toml, table, "the scene needs a key 'file'");
     if (name && !study_is(r, name, TOML_TEXT, "a text")) return false;
-    if (!add_scene(r, file, name ? name->text : NULL)) return false;
+    if (!add_scene(r, file, name)) return false;
     struct study_scene *scene = &r->out->scene[r->out->scenes - 1];
     if (reference) {
         if (!study_is(r, reference, TOML_TEXT, "the name of an image")) return false;

@@ -9,9 +9,15 @@
 #include "satin/scene.h"
 #include "toml/toml.h"
 
-// Options by name. They are set in order.
+// An option by name, and where the file sets it; without a file, the study itself does.
+struct study_setting {
+    const char *name, *value;
+    struct log_place at;
+};
+
+// Options that are set in order.
 struct study_settings {
-    satin_setting *setting;
+    struct study_setting *setting;
     size_t count;
 };
 
@@ -115,6 +121,8 @@ bool study_is(struct study_reader *r, const struct toml_node *node, enum toml_ki
 // Whether all keys of a table are among `known`, which NULL ends.
 bool study_keys_known(struct study_reader *r, const struct toml_node *table,
                       const char *const *known);
+// Whether a node is a value of that option; errors name the node.
+bool study_is_option_value(struct study_reader *r, const struct toml_node *node, const char *name);
 // Checks an option and its value, and appends it; `out` has space for it. An option that varies
 // must not change what the true image is.
 bool study_take_option(struct study_reader *r, const struct toml_node *node, bool varies,
