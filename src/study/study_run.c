@@ -30,7 +30,7 @@ static bool is_interrupted(const struct running *r) {
 
 // ---- One render ---------------------------------------------------------------------------------
 
-// The first line that a render has printed, from malloc; NULL if there is none.
+// The first line that a render has printed, from malloc; NULL if it has printed nothing.
 static char *first_line(const char *path) {
     char *text = NULL;
     size_t size = 0;
@@ -38,7 +38,9 @@ static char *first_line(const char *path) {
         SATIN_OK)
         return NULL;
     text[strcspn(text, "\r\n")] = 0;
-    return text;
+    if (*text) return text;
+    free(text);
+    return NULL;
 }
 
 // Runs the command with outputs in DIR/work.
@@ -71,20 +73,32 @@ static satin_status run_command(struct running *r, struct study_render *render) 
     return status;
 }
 
+// How a render failed. One that was killed, or whose disk is full, may have printed nothing.
+static void describe_failure(const struct study_result *result, char *out, size_t size) {
+    const char *name = result->signal ? strsignal(result->signal) : NULL;
+    int n;
+    if (result->signal)
+        n = snprintf(out, size, "failed with signal %d (%s)", result->signal, name ? name : "?");
+    else
+        n = snprintf(out, size, "failed with status %d", result->status);
+    if (n < 0 || (size_t)n >= size) return;
+    if (result->message)
+        snprintf(out + n, size - (size_t)n, ": %s", result->message);
+    else if (!result->signal)
+        snprintf(out + n, size - (size_t)n, " and printed no message");
+}
+
 static void report_end(struct running *r, const struct study_render *render, const char *label) {
     const struct study_result *result = &render->result;
-    char line[512], left[48] = "";
+    char line[1024], end[512], left[48] = "";
     const double mean = r->spent / (double)r->rendered;
     const size_t missing = r->total - r->ready - r->failed;
     if (missing) snprintf(left, sizeof left, ", about %.0f s left", mean * (double)missing);
     if (result->status == 0 && result->signal == 0)
-        snprintf(line, sizeof line, "[%zu/%zu] %s: %.2f s%s", r->ready + r->failed, r->total, label,
-                 result->wall_s, left);
+        snprintf(end, sizeof end, "%.2f s%s", result->wall_s, left);
     else
-        snprintf(line, sizeof line, "[%zu/%zu] %s: failed with %s %d: %s", r->ready + r->failed,
-                 r->total, label, result->signal ? "signal" : "status",
-                 result->signal ? result->signal : result->status,
-                 result->message ? result->message : "");
+        describe_failure(result, end, sizeof end);
+    snprintf(line, sizeof line, "[%zu/%zu] %.400s: %s", r->ready + r->failed, r->total, label, end);
     report_line(r, line);
 }
 
