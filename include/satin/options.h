@@ -74,7 +74,9 @@ typedef struct satin_options {
     satin_integrator integrator;
     satin_quality quality;
     satin_first_pass first_pass;
-    int spp;  // samples per pixel; 0: the scene's for path, the preset's for the others
+    // Samples per pixel, of integrator sppm passes; 0: what fits in the time limit or, without one,
+    // the scene's for path and sppm, the preset's for the others.
+    int spp;
     bool adaptive_sampling;  // spp is a mean: noisy pixels get more samples; without effect with
                              // path
     bool denoise;            // denoises light that no record carries; needs Open Image Denoise

@@ -67,12 +67,19 @@ static struct text_nearest nearest_option(const char *word, satin_option_info *i
     return search;
 }
 
+// Whether a word is the name of an option that adds a material to another option.
+static bool is_material_option(const char *word) {
+    satin_options scratch = satin_options_default;
+    return strchr(word, '.') && satin_options_set(&scratch, word, "on", NULL, NULL) == SATIN_OK;
+}
+
 // Reports how an argument of `satin render` is meant that is an option or nearly the name of one:
 // such as --photons, which is set by --set. `nearest` is the nearest flag. False if it is none.
 static bool is_render_option(const char *name, const char *value,
                              const struct text_nearest *nearest) {
     satin_option_info info;
-    const struct text_nearest option = nearest_option(name + 2, &info);
+    struct text_nearest option = nearest_option(name + 2, &info);
+    if (is_material_option(name + 2)) option = (struct text_nearest){name + 2, name + 2, 0};
     if (!option.best || (nearest->best && nearest->edits <= option.edits)) return false;
     if (option.edits == 0)
         app_wrong("unknown argument '%s': it is an option, set by --set %s=%s", name, option.best,
@@ -86,7 +93,8 @@ static bool is_render_option(const char *name, const char *value,
 // name of one: in the file. False if it is none.
 static bool is_study_option(const char *name, const struct text_nearest *nearest) {
     satin_option_info info;
-    const struct text_nearest option = nearest_option(name + 2, &info);
+    struct text_nearest option = nearest_option(name + 2, &info);
+    if (is_material_option(name + 2)) option = (struct text_nearest){name + 2, name + 2, 0};
     const bool set = strcmp(name, "--set") == 0;
     if (!set && (!option.best || (nearest->best && nearest->edits <= option.edits))) return false;
     if (!set && strcmp(option.best, "seed") == 0)
