@@ -110,7 +110,7 @@ static satin_status check_image(struct averaging *a, int i, const struct satin_f
         image->full_height != mean->full_height)
         return log_fail(log, SATIN_ERROR_INPUT, "%s: it has other pixels than %s", a->path[i],
                         a->path[0]);
-    if (memcmp(a->out->chromaticities, image->chromaticities, sizeof image->chromaticities) != 0)
+    if (!film_same_primaries(a->out->chromaticities, image->chromaticities))
         fprintf(stderr, "satin: warning: %s and %s have different chromaticities\n", a->path[i],
                 a->path[0]);
     a->image[i] =

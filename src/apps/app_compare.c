@@ -52,13 +52,15 @@ struct compare_request {
 
 // ---- The comparison -----------------------------------------------------------------------------
 
-// Warns if the files say that they are of different scenes.
-static void compare_scenes(const char *path, const struct satin_film *image, const char *other,
-                           const struct satin_film *reference) {
+// Warns if the files say that they are of different scenes, or that their colours are others.
+static void compare_headers(const char *path, const struct satin_film *image, const char *other,
+                            const struct satin_film *reference) {
     const char *a = film_attribute_get(image, "satin:scene_hash"),
                *b = film_attribute_get(reference, "satin:scene_hash");
     if (a && b && strcmp(a, b) != 0)
         fprintf(stderr, "satin: warning: %s and %s are of different scenes\n", path, other);
+    if (!film_same_primaries(image->chromaticities, reference->chromaticities))
+        fprintf(stderr, "satin: warning: %s and %s have different chromaticities\n", path, other);
 }
 
 // Warns of pixels that the figures leave out.
@@ -117,7 +119,7 @@ static satin_status compare_image(const struct compare_request *r, const char *p
     c->path = path;
     satin_status status = satin_film_read(path, app_log_file, NULL, &whole);
     if (status != SATIN_OK) return status;
-    compare_scenes(path, whole, other, reference);
+    compare_headers(path, whole, other, reference);
     status = film_common_box(whole, reference, log, box);
     if (status == SATIN_OK && r->has_region) memcpy(box, r->region, sizeof box);
     if (status == SATIN_OK) status = film_select(whole, path, r->layer, box, file_log, &c->image);

@@ -8,7 +8,7 @@
 
 #include "apps/app.h"
 #include "base/log.h"
-#include "satin/film.h"
+#include "film/film.h"
 
 enum {
     TONEMAP_FLAG_OUTPUT,
@@ -17,6 +17,8 @@ enum {
     TONEMAP_FLAG_LAYER,
     TONEMAP_FLAG_HELP
 };
+
+static const struct log TONEMAP_LOG = {app_log_file, NULL};
 
 const struct app_flag app_tonemap_flags[] = {
     {"--output", "-o", "OUT.png", "The picture."},
@@ -27,6 +29,9 @@ const struct app_flag app_tonemap_flags[] = {
     {NULL, NULL, NULL, NULL},
 };
 
+// Beyond this many stops no float remains.
+static const double STOPS_MOST = 100.0;
+
 int app_take_exposure(const char *value, satin_tonemap *tonemap) {
     const bool automatic = strcmp(value, "auto") == 0 || strncmp(value, "auto+", 5) == 0 ||
                            strncmp(value, "auto-", 5) == 0;
@@ -34,9 +39,10 @@ int app_take_exposure(const char *value, satin_tonemap *tonemap) {
     char *end = NULL;
     const double stops = *number ? strtod(number, &end) : 0.0;
     const bool whole = *number ? end != number && *end == '\0' : automatic;
-    // Beyond this many stops no float remains.
-    if (!whole || !(fabs(stops) <= 100.0))
-        return app_wrong("--exposure needs a number of stops, or auto, not '%s'", value);
+    if (!whole || !(fabs(stops) <= STOPS_MOST))
+        return app_wrong(
+            "--exposure needs a number of stops from %.0f to %.0f, auto, or auto+STOPS, not '%s'",
+            -STOPS_MOST, STOPS_MOST, value);
     tonemap->auto_exposure = automatic;
     tonemap->exposure = (float)stops;
     return APP_DONE;
@@ -53,20 +59,46 @@ int app_take_tonemap(const char *value, satin_tonemap *tonemap) {
     return app_wrong("--tonemap needs clip, filmic or agx, not '%s'", value);
 }
 
-// Whether the image has the channels of the layer that is to be shown, which else is reported.
-static bool has_layer(const satin_film *film, const char *image, const char *layer) {
-    const struct log log = {app_log_file, NULL};
-    char name[256];
+// Finds the channels that are to be shown: those of the layer, or of the beauty. Reports that they
+// are not there.
+static bool find_shown(const satin_film *film, const char *image, const char *layer,
+                       const float *shown[3]) {
+    const char *dot = layer ? "." : "", *of = layer ? layer : "";
     bool all = true;
-    for (int i = 0; layer && i < 3; i++) {
-        snprintf(name, sizeof name, "%s.%c", layer, "RGB"[i]);
-        all = all && satin_film_channel(film, name);
+    for (int i = 0; i < 3; i++) {
+        char name[256];
+        snprintf(name, sizeof name, "%s%s%c", of, dot, "RGB"[i]);
+        shown[i] = satin_film_channel(film, name);
+        all = all && shown[i];
     }
     if (!all)
-        log_fail(log, SATIN_ERROR_INPUT,
-                 "%s: it has no channels %s.R, G and B; a layer that is shown has colours", image,
-                 layer);
+        log_fail(TONEMAP_LOG, SATIN_ERROR_INPUT, "%s: it has no channels %s%sR, G and B%s", image,
+                 of, dot, layer ? "; a layer that is shown has colours" : "");
     return all;
+}
+
+// Warns of values that have no tone.
+static void warn_of_nonfinite(const satin_film *film, const char *image,
+                              const float *const shown[3]) {
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)film->width * (size_t)film->height; i++)
+        count += !isfinite(shown[0][i]) || !isfinite(shown[1][i]) || !isfinite(shown[2][i]);
+    if (count)
+        log_message(TONEMAP_LOG, SATIN_LOG_WARNING,
+                    "%s: %zu pixel%s not finite; what is no number is shown black", image, count,
+                    count == 1 ? " is" : "s are");
+}
+
+// Prepares the light of an image for a picture, which is in the primaries of sRGB.
+static bool prepare_light(satin_film *film, const char *image, const char *layer) {
+    const float *shown[3];
+    if (!find_shown(film, image, layer, shown)) return false;
+    warn_of_nonfinite(film, image, shown);
+    if (!film_convert_primaries(film, layer))
+        log_message(TONEMAP_LOG, SATIN_LOG_WARNING,
+                    "%s: its chromaticities are not those of colours; those of sRGB are taken",
+                    image);
+    return true;
 }
 
 static int write_picture(const char *image, const char *path, const satin_tonemap *tonemap) {
@@ -76,7 +108,7 @@ static int write_picture(const char *image, const char *path, const satin_tonema
     satin_status status = satin_film_read(image, app_log_file, NULL, &film);
     if (status != SATIN_OK) return app_exit_of(status);
     int result = app_outputs_check(&output, 1, input);
-    if (result == APP_DONE && !has_layer(film, image, tonemap->layer)) result = APP_WRONG;
+    if (result == APP_DONE && !prepare_light(film, image, tonemap->layer)) result = APP_WRONG;
     if (result == APP_DONE)
         result = app_exit_of(satin_film_write_png(film, path, tonemap, app_log_file, NULL));
     satin_film_free(film);

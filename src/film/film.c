@@ -12,8 +12,8 @@
 enum { FILM_PIXELS_MAX = 0x7fffffff };
 
 // The primaries and the white of sRGB (ITU-R BT.709), also those of a file that names none.
-static const float srgb_chromaticities[8] = {0.64f, 0.33f, 0.30f,   0.60f,
-                                             0.15f, 0.06f, 0.3127f, 0.3290f};
+const float film_srgb_chromaticities[8] = {0.64f, 0.33f, 0.30f,   0.60f,
+                                           0.15f, 0.06f, 0.3127f, 0.3290f};
 
 struct satin_film *film_new(int width, int height, const char *const *channel_names,
                             int channel_count) {
@@ -24,7 +24,7 @@ struct satin_film *film_new(int width, int height, const char *const *channel_na
     size_t count = (size_t)channel_count, pixels = (size_t)width * (size_t)height;
     film->width = film->full_width = width;
     film->height = film->full_height = height;
-    memcpy(film->chromaticities, srgb_chromaticities, sizeof srgb_chromaticities);
+    memcpy(film->chromaticities, film_srgb_chromaticities, sizeof film_srgb_chromaticities);
     film->channel_name = calloc(count + 1, sizeof *film->channel_name);
     film->channel = calloc(count + 1, sizeof *film->channel);
     if (!film->channel_name || !film->channel) goto fail;

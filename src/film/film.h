@@ -41,6 +41,7 @@ struct satin_film {
 // sRGB.
 struct satin_film *film_new(int width, int height, const char *const *channel_names,
                             int channel_count);
+extern const float film_srgb_chromaticities[8];
 float *film_channel(struct satin_film *film, const char *name);  // NULL if there is none
 // Whether a channel is of a Cryptomatte layer, whose values are ids and coverages.
 bool film_is_cryptomatte(const char *channel);
@@ -90,6 +91,13 @@ struct film_pixels {
 // Encodes a picture as a PNG. `name` is for messages. The caller frees *data.
 satin_status film_encode_pixels(const char *name, const struct film_pixels *picture, struct log log,
                                 void **data, size_t *size);
+// ---- film_primaries.c
+// Whether chromaticities are those of the same primaries and white, but for rounding.
+bool film_same_primaries(const float a[8], const float b[8]);
+// Converts channels R, G and B of a layer, or of the beauty if `layer` is NULL, to the primaries of
+// sRGB; the film's chromaticities stay. False, with nothing changed, if they are not those of
+// colours, or if the film has not these channels.
+bool film_convert_primaries(struct satin_film *film, const char *layer);
 // ---- film_tonemap.c
 // The light that a display shows for this light, to be encoded; values beyond [0, 1] are clamped
 // then. Light that is not finite becomes white, no value black.
