@@ -158,18 +158,6 @@ static void print_json_number(const char *indent, const char *name, double value
         printf("%s\"%s\": null,\n", indent, name);
 }
 
-static void print_json_text(const char *text) {
-    putchar('"');
-    for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == '"' || c == '\\')
-            printf("\\u%04x", c);
-        else
-            putchar(c);
-    }
-    putchar('"');
-}
-
 static void print_json_values(const char *indent, const struct app_compared *c) {
     const struct film_difference *d = &c->difference;
     print_json_number(indent, "rmse", d->rmse);
@@ -194,7 +182,7 @@ static void print_json(const struct app_compared *compared, int count) {
     printf("{\n  \"images\": [\n");
     for (int i = 0; i < count; i++) {
         printf("    {\n      \"image\": ");
-        print_json_text(compared[i].path);
+        text_print_json(stdout, compared[i].path);
         printf(",\n");
         print_json_values("      ", &compared[i]);
         printf("    }%s\n", i + 1 < count ? "," : "");

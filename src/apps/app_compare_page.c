@@ -8,23 +8,11 @@
 
 #include "apps/app_compare.h"
 #include "base/fileio.h"
+#include "base/text.h"
 
 extern const char app_compare_page_text[];
 
 #define DATA_MARK "@DATA@"
-
-// Prints text as a JSON string that may stand in a script element.
-static void print_text(FILE *out, const char *text) {
-    fputc('"', out);
-    for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == '"' || c == '\\' || c == '<')
-            fprintf(out, "\\u%04x", c);
-        else
-            fputc(c, out);
-    }
-    fputc('"', out);
-}
 
 static void print_base64(FILE *out, const unsigned char *data, size_t size) {
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -73,7 +61,7 @@ static satin_status print_image(FILE *out, const struct app_compared *c, struct 
     float top = 0.0f;
     satin_status status;
     fprintf(out, "{\"name\": ");
-    print_text(out, c->path);
+    text_print_json(out, c->path);
     print_values(out, c);
     unsigned char *pixel = film_picture(c->image, c->path, NULL, log, &status);
     status = print_picture(out, "picture", width, height, pixel, log);
@@ -97,7 +85,7 @@ satin_status app_compare_page(const char *path, const char *reference,
     if (out) {
         fwrite(app_compare_page_text, 1, (size_t)(mark - app_compare_page_text), out);
         fprintf(out, "{\"reference\": ");
-        print_text(out, reference);
+        text_print_json(out, reference);
         fprintf(out, ", \"images\": [");
         for (int i = 0; i < count && status == SATIN_OK; i++) {
             if (i) fprintf(out, ", ");

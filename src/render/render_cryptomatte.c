@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/text.h"
 #include "film/film.h"
 #include "scene/scene.h"
 
@@ -147,14 +148,18 @@ static int compare_names(const void *a, const void *b) {
 
 static void print_manifest_name(FILE *out, const char *name) {
     fputc('"', out);
-    for (; *name; name++) {
+    while (*name) {
         const unsigned char c = (unsigned char)*name;
-        if (c < 0x20)
+        const size_t bytes = text_utf8_bytes(name);
+        if (bytes == 0)
+            fputs(TEXT_REPLACEMENT, out);
+        else if (c < 0x20)
             fprintf(out, "\\u%04x", c);
         else if (c == '"' || c == '\\')
             fprintf(out, "\\%c", c);
         else
-            fputc(c, out);
+            fwrite(name, 1, bytes, out);
+        name += bytes ? bytes : 1;
     }
     fputc('"', out);
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/text.h"
 
 // Makes space for `more` bytes and a 0.
 static bool reserve_text(struct study_text *text, size_t more) {
@@ -45,13 +46,19 @@ void study_text_add(struct study_text *text, const char *format, ...) {
 
 void study_text_json(struct study_text *text, const char *value) {
     study_text_add(text, "\"");
-    for (const unsigned char *c = (const unsigned char *)value; *c; c++)
-        if (*c == '"' || *c == '\\')
-            study_text_add(text, "\\%c", *c);
-        else if (*c < 0x20 || *c == '<' || *c == 0x7f)
-            study_text_add(text, "\\u%04x", *c);
+    while (*value) {
+        const unsigned char c = (unsigned char)*value;
+        const size_t bytes = text_utf8_bytes(value);
+        if (bytes == 0)
+            study_text_add(text, TEXT_REPLACEMENT);
+        else if (c == '"' || c == '\\')
+            study_text_add(text, "\\%c", c);
+        else if (c < 0x20 || c == '<' || c == 0x7f)
+            study_text_add(text, "\\u%04x", c);
         else
-            study_text_bytes(text, c, 1);
+            study_text_bytes(text, value, bytes);
+        value += bytes ? bytes : 1;
+    }
     study_text_add(text, "\"");
 }
 

@@ -16,7 +16,8 @@ struct study_text {
 void study_text_add(struct study_text *text, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void study_text_bytes(struct study_text *text, const void *data, size_t size);
-// A JSON string, in quotes. `<` is escaped, so that it may stand in a page.
+// A JSON string, in quotes. `<` is escaped, so that it may stand in a page, and bytes that are not
+// UTF-8 are U+FFFD.
 void study_text_json(struct study_text *text, const char *value);
 // A field of a CSV file, in quotes if it needs them.
 void study_text_csv(struct study_text *text, const char *value);

@@ -25,6 +25,8 @@ static void texts_are_quoted(void **state) {
     struct study_text text = {0};
     study_text_json(&text, "a \"b\" \\ </script>\n");
     assert_text(&text, "\"a \\\"b\\\" \\\\ \\u003c/script>\\u000a\"");
+    study_text_json(&text, "\xc3\xa9 \xff.xml");
+    assert_text(&text, "\"\xc3\xa9 \xef\xbf\xbd.xml\"");
     study_text_csv(&text, "plain");
     study_text_add(&text, ",");
     study_text_csv(&text, "a,\"b\"");

@@ -6,6 +6,8 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -57,11 +59,39 @@ static void the_nearest_name_is_suggested(void **state) {
     assert_null(test_text_nearest(longest));
 }
 
+static void characters_of_utf8_are_known(void **state) {
+    (void)state;
+    static const char *const good[] = {
+        "a", "\xc3\xa9", "\xe2\x82\xac", "\xed\x9f\xbf", "\xf0\x9f\x98\x80", "\xf4\x8f\xbf\xbf"};
+    // Cut, of too many bytes, a surrogate, and beyond U+10FFFF.
+    static const char *const bad[] = {
+        "\x80",         "\xc3",         "\xc3(",        "\xe2\x82",         "\xc1\x81",
+        "\xe0\x9f\xbf", "\xed\xa0\x80", "\xf0\x9f\x98", "\xf4\x90\x80\x80", "\xff"};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        assert_int_equal(text_utf8_bytes(good[i]), strlen(good[i]));
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(text_utf8_bytes(bad[i]), 0);
+}
+
+static void json_has_no_other_bytes(void **state) {
+    (void)state;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    text_print_json(out, "a\xff\xc3\xa9\"\\\n<");
+    assert_int_equal(fclose(out), 0);
+    assert_string_equal(text, "\"a\xef\xbf\xbd\xc3\xa9\\u0022\\u005c\\u000a\\u003c\"");
+    free(text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_read_strictly),
         cmocka_unit_test(names_are_compared_loosely),
         cmocka_unit_test(the_nearest_name_is_suggested),
+        cmocka_unit_test(characters_of_utf8_are_known),
+        cmocka_unit_test(json_has_no_other_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
