@@ -14,14 +14,19 @@
 
 // ---- Scenes -------------------------------------------------------------------------------------
 
-// Warns of pixels of a reference that no image is compared with.
-static void warn_left_out(const struct planner *p, const satin_film *reference) {
+// Warns of pixels of a reference that no image is compared with, and of other colours than those of
+// images.
+static void warn_of_reference(const struct planner *p, const satin_film *reference) {
     const struct study_scene *scene = &p->plan->study.scene[p->at];
     const size_t count = study_reference_nonfinite(reference);
     if (count)
         log_warning_at(p->log, scene->at,
                        "%zu pixel%s of the reference %s %s not finite, and left out", count,
                        count == 1 ? "" : "s", scene->reference, count == 1 ? "is" : "are");
+    if (!film_same_primaries(reference->chromaticities, film_srgb_chromaticities))
+        log_warning_at(p->log, scene->at,
+                       "the reference %s has other chromaticities than images, those of sRGB",
+                       scene->reference);
 }
 
 // A reference from a file must have colours and the size that images will have.
@@ -52,7 +57,7 @@ static satin_status check_reference(struct planner *p) {
         log_error_at(p->log, scene->at, "the reference %s has %dx%d pixels, images have %dx%d",
                      scene->reference, w, h, width, height);
     } else {
-        warn_left_out(p, film);
+        warn_of_reference(p, film);
     }
     satin_film_free(film);
     return status;
