@@ -139,7 +139,7 @@ static void compare_with(struct comparison *c, satin_film *const *image,
         for (size_t s = 0; s < n; s++) c->x[s] = satin_film_channel(image[s], beauty_name[k]);
         if (r) add_plane(gram, c->x, r, v, c->left_out, pixels_of(reference));
     }
-    for (size_t i = 0; i < n * n; i++) gram->sum[i] /= gram->values;
+    for (size_t i = 0; i < n * n && gram->values > 0.0; i++) gram->sum[i] /= gram->values;
 }
 
 // Adds the noise that the reference gives to the bias.
@@ -174,7 +174,7 @@ static double reference_noise(const satin_film *reference, const unsigned char *
             values += 1.0;
         }
     }
-    return sum / values;
+    return values > 0.0 ? sum / values : (double)NAN;
 }
 
 bool study_errors_find(satin_film *const *image, size_t count,

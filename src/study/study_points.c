@@ -110,60 +110,69 @@ satin_status study_plan_read_scene(struct planner *p, size_t at) {
 
 // ---- Points -------------------------------------------------------------------------------------
 
-// The value of an option as text in the study's arena; NULL if there is no such option or no
-// memory.
-static const char *option_text(struct arena *arena, const satin_options *options,
-                               const char *name) {
+// Sets *out to the value of an option, in the study's arena. It stays for a name that adds to
+// another option, as that of a material does.
+static satin_status find_value(struct planner *p, const satin_options *options, const char *name,
+                               const char **out) {
     satin_option_info info;
-    for (int i = 0; satin_options_describe(options, i, &info); i++)
-        if (text_same_name(info.name, name))
-            return arena_text(arena, info.value, strlen(info.value));
-    return NULL;
+    for (int i = 0; satin_options_describe(options, i, &info); i++) {
+        if (!text_same_name(info.name, name)) continue;
+        const char *copy = arena_text(&p->plan->study.arena, info.value, strlen(info.value));
+        if (!copy) return study_plan_no_memory(p->log);
+        *out = copy;
+    }
+    return SATIN_OK;
 }
 
-// The options that a render has, with those that a scene or a quality decides.
-static satin_status resolve_used(struct planner *p, const satin_options *options,
-                                 satin_options *out) {
-    return render_used_options(p->scene, options, (struct log){study_log_at_scene, p}, out);
-}
-
-// Whether options are what settings would make of them.
-static bool agree(struct planner *p, const satin_options *used, const struct study_settings *set) {
+// Finds whether options are what settings would make of them.
+static satin_status agree(struct planner *p, const satin_options *used,
+                          const struct study_settings *set, bool *out) {
     satin_options changed = *used;
+    *out = false;
     for (size_t i = 0; i < set->count; i++)
         if (satin_options_set(&changed, set->setting[i].name, set->setting[i].value, NULL, NULL) !=
             SATIN_OK)
-            return false;
-    return resolve_used(p, &changed, &changed) == SATIN_OK &&
+            return SATIN_OK;
+    // Settings that are wrong in this scene are reported for the point that has them.
+    const satin_status status = render_used_options(p->scene, &changed, (struct log){0}, &changed);
+    if (status == SATIN_ERROR_MEMORY) return study_plan_no_memory(p->log);
+    *out = status == SATIN_OK &&
            study_hash_options(FILEIO_HASH, &changed) == study_hash_options(FILEIO_HASH, used);
+    return SATIN_OK;
 }
 
-// What the tables say of a point in a column: the value of the option or, if several options change
-// together, the label of those that the point has. NULL if it has none.
-static const char *cell_text(struct planner *p, const struct study_column *column,
-                             const satin_options *used) {
-    if (column->is_option) return option_text(&p->plan->study.arena, used, column->name);
-    for (size_t i = 0; i < column->values; i++)
-        if (agree(p, used, &column->value[i].set)) return column->value[i].label;
-    return NULL;
+// Finds what the tables say of a point in a column: the value of the option or, if several options
+// change together, the label of those that the point has. *out stays if it has none.
+static satin_status find_cell(struct planner *p, const struct study_column *column,
+                              const satin_options *used, const char **out) {
+    satin_status status = SATIN_OK;
+    bool found = false;
+    if (column->is_option) return find_value(p, used, column->name, out);
+    for (size_t i = 0; i < column->values && status == SATIN_OK && !found; i++) {
+        status = agree(p, used, &column->value[i].set, &found);
+        if (found) *out = column->value[i].label;
+    }
+    return status;
 }
 
 // Sets what the tables say of a point. If another scene than the first decides another value, it is
 // that which the option has before a scene decides, such as 0.
-static void describe_cells(struct planner *p, struct study_point *point,
-                           const satin_options *options, const satin_options *used) {
+static satin_status describe_cells(struct planner *p, struct study_point *point,
+                                   const satin_options *options, const satin_options *used) {
     struct study *s = &p->plan->study;
-    for (size_t c = 0; c < s->columns; c++) {
+    satin_status status = SATIN_OK;
+    for (size_t c = 0; c < s->columns && status == SATIN_OK; c++) {
         const struct study_column *column = &s->column[c];
         if (p->at == 0 && (column->is_option || !point->cell[c])) {
-            const char *text = cell_text(p, column, used);
-            if (text) point->cell[c] = text;
-        } else if (p->at > 0 && column->is_option) {
-            const char *text = option_text(&s->arena, used, column->name);
-            if (text && point->cell[c] && strcmp(text, point->cell[c]) != 0)
-                point->cell[c] = option_text(&s->arena, options, column->name);
+            status = find_cell(p, column, used, &point->cell[c]);
+        } else if (p->at > 0 && column->is_option && point->cell[c]) {
+            const char *value = point->cell[c];
+            status = find_value(p, used, column->name, &value);
+            if (status == SATIN_OK && strcmp(value, point->cell[c]) != 0)
+                status = find_value(p, options, column->name, &point->cell[c]);
         }
     }
+    return status;
 }
 
 // Continues the hashes of all points by the options that they have in the loaded scene.
@@ -175,10 +184,13 @@ static satin_status describe_points(struct planner *p, uint64_t *hash) {
         study_combine(&set, &s->set, NULL, NULL);
         study_combine(&set, &s->point[i].set, NULL, NULL);
         satin_status status = study_resolve(p, &set, &options);
-        if (status == SATIN_OK) status = resolve_used(p, &options, &used);
+        if (status == SATIN_OK)
+            status =
+                render_used_options(p->scene, &options, (struct log){study_log_at_scene, p}, &used);
         if (status != SATIN_OK) return status;
         hash[i] = study_hash_options(p->at == 0 ? FILEIO_HASH : hash[i], &used);
-        describe_cells(p, &s->point[i], &options, &used);
+        status = describe_cells(p, &s->point[i], &options, &used);
+        if (status != SATIN_OK) return status;
     }
     return SATIN_OK;
 }

@@ -154,7 +154,7 @@ static double mean_reference_noise(const struct study_report *report, size_t sce
         sum += noise;
         count += 1.0;
     }
-    return sum / count;
+    return count > 0.0 ? sum / count : (double)NAN;
 }
 
 static satin_status compare_scene(struct study_report *report, size_t scene) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The options of a render of a study: settings of the study, of a point and of the planner, which
 // replace each other, checked against the scene.
+#include <stdio.h>
 #include <string.h>
 
 #include "base/fileio.h"
@@ -44,15 +45,10 @@ void study_log_at_scene(void *user, satin_log_severity severity, const char *mes
     if (severity == SATIN_LOG_ERROR) log_error_at(p->log, at, "%s", message);
 }
 
-// Where the error of settings is logged.
-struct blamed {
-    struct log log;
-    struct log_place at;
-};
+enum { SETTING_MESSAGE_BYTES = 1024 };
 
-static void log_at_setting(void *user, satin_log_severity severity, const char *message) {
-    const struct blamed *blamed = user;
-    if (severity == SATIN_LOG_ERROR) log_error_at(blamed->log, blamed->at, "%s", message);
+static void keep_setting_error(void *user, satin_log_severity severity, const char *message) {
+    if (severity == SATIN_LOG_ERROR) snprintf(user, SETTING_MESSAGE_BYTES, "%s", message);
 }
 
 // Resolves and checks the first `count` settings.
@@ -73,19 +69,24 @@ static satin_status resolve_first(struct planner *p, const struct study_combined
     return status;
 }
 
-satin_status study_resolve(struct planner *p, const struct study_combined *set,
-                           satin_options *out) {
-    struct blamed blamed = {p->log, p->plan->study.scene[p->at].at};
+// The line of the setting from which on no render can begin, or that of the scene.
+static struct log_place find_wrong(struct planner *p, const struct study_combined *set) {
     satin_options scratch;
     size_t count = 0;
-    const satin_status status = resolve_first(p, set, set->count, (struct log){0}, out);
-    if (status == SATIN_OK) return SATIN_OK;
-    // The setting from which on no render can begin.
     while (count < set->count &&
            resolve_first(p, set, count, (struct log){0}, &scratch) == SATIN_OK)
         count++;
-    if (count > 0 && set->setting[count - 1].at.file) blamed.at = set->setting[count - 1].at;
-    resolve_first(p, set, set->count, (struct log){log_at_setting, &blamed}, &scratch);
+    if (count > 0 && set->setting[count - 1].at.file) return set->setting[count - 1].at;
+    return p->plan->study.scene[p->at].at;
+}
+
+satin_status study_resolve(struct planner *p, const struct study_combined *set,
+                           satin_options *out) {
+    char message[SETTING_MESSAGE_BYTES] = "";
+    const satin_status status =
+        resolve_first(p, set, set->count, (struct log){keep_setting_error, message}, out);
+    if (status == SATIN_ERROR_MEMORY) return study_plan_no_memory(p->log);
+    if (status != SATIN_OK) log_error_at(p->log, find_wrong(p, set), "%s", message);
     return status;
 }
 
