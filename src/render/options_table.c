@@ -75,10 +75,10 @@ const struct option options_table[] = {
      "that fit."},
     {"memory", OPTION_BYTES, AT(memory), false, "0..1P",
      "Limit of the memory of the process in bytes, with K, M, G or T for 2^10, 2^20, 2^30 or 2^40 "
-     "of them, such as 4G; 0 is no limit. Photons and records, and threads, are as many as fit. A "
-     "scene and an image that do not fit are refused, with the bytes that they need, before the "
-     "render begins. Reading the scene, checkpoints, several processes and Open Image Denoise may "
-     "need more."},
+     "of them, such as 4G; 0 is no limit. Photons and records, and threads, are as many as fit, "
+     "and where a sky is visible is learned if that fits. A scene and an image that do not fit are "
+     "refused, with the bytes that they need, before the render begins. Reading the scene, "
+     "checkpoints, several processes and Open Image Denoise may need more."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
      "Length of the longest light path in segments: 0 is a black image, 1 emitted light alone, 2 "
      "direct light too. -1 is no limit, and -2 the scene's limit, if it has one."},
@@ -98,13 +98,12 @@ const struct option options_table[] = {
     {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
      "Photon paths for the global map; of integrator sppm, in each pass. A number that a quality "
      "sets grows up to eightfold if few photons of indirect light are stored, and up to 2.5 times "
-     "in a large image that is not denoised, and falls if a path stores more than 16; a number "
-     "that the user sets does not, nor does that of sppm."},
+     "in a large image that is not denoised, and falls if a path stores more than 16; another "
+     "number that the user sets does not, nor does that of sppm."},
     {"caustic-photons", OPTION_COUNT, AT(caustic_photons), true, "0..1000000000000",
      "Photon paths for the caustic map; of integrator sppm, in each pass. 0 is no caustics. A "
-     "number "
-     "that a quality sets grows up to fourfold in a large image where caustics are much of the "
-     "light; a number that the user sets does not, nor does that of sppm."},
+     "number that a quality sets grows up to fourfold in a large image where caustics are much of "
+     "the light; another number that the user sets does not, nor does that of sppm."},
     {"photon-batch", OPTION_COUNT, AT(photon_batch), false, "1..1000000000000",
      "Photon paths that first pass reverse traces at a time. The first batch decides where "
      "irradiance is precomputed and the radius of its estimates, and memory grows with it."},
