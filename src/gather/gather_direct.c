@@ -109,12 +109,14 @@ satin_status gather_direct_build(const struct gather *g, int samples, struct par
     struct direct_loop loop = {g, &direct, noise2, samples};
     const struct parallel_results lit = {
         .slot = {{direct.E, sizeof *direct.E}, {noise2, sizeof *noise2}}, .journaled = true};
+    const struct parallel_results compared = {.slot = {{direct.similar, sizeof *direct.similar}}};
     satin_status status = SATIN_OK;
     if (!direct.E || !direct.similar || !noise2)
         status = SATIN_ERROR_MEMORY;
     else if (!parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, sample_entries, &loop,
                                    &lit) ||
-             !parallel_for(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &loop))
+             !parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &loop,
+                                   &compared))
         status = SATIN_CANCELLED;
     free(noise2);
     if (status == SATIN_OK)

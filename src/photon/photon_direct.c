@@ -42,10 +42,12 @@ satin_status photon_direct_build(const struct photon_maps *maps, const struct sa
     struct photon_direct *sum = array_new(entries, sizeof *sum);
     int *entry = array_new(direct->count, sizeof *entry);
     struct direct_lookup lookup = {maps, scene, direct, entry};
+    const struct parallel_results found = {.slot = {{entry, sizeof *entry}}};
     satin_status status = SATIN_OK;
     if (!sum || !entry)
         status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for direct photons");
-    else if (!parallel_for(pool, direct->count, DIRECT_CHUNK, find_entries, &lookup))
+    else if (!parallel_for_results(pool, direct->count, DIRECT_CHUNK, find_entries, &lookup,
+                                   &found))
         status = SATIN_CANCELLED;
     for (size_t i = 0; i < direct->count && status == SATIN_OK; i++) {
         if (entry[i] < 0) continue;

@@ -63,10 +63,6 @@ static satin_status check_animation(const struct render *r, const satin_animatio
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "an animation has no time limit, as its frames would depend on the time "
                         "that others take; set spp instead of time");
-    if (a->moved && r->options.memory > 0)
-        return log_fail(r->log, SATIN_ERROR_INPUT,
-                        "an animation in which objects move has no limit of memory, as two of its "
-                        "scenes are in memory; leave the option memory out");
     if (r->options.integrator == SATIN_SPPM)
         return log_fail(r->log, SATIN_ERROR_INPUT, "the integrator sppm renders no animations");
     return SATIN_OK;

@@ -88,12 +88,24 @@ static const char *print_size(double bytes, char out[16]) {
     return out;
 }
 
+// Where objects move, the render of the scene at rest and that of a frame are in memory at once.
+// Each has half of the limit, whatever the other one takes.
+static double renders_at_once(const struct render *r) {
+    const satin_animation *a = r->callbacks.animation;
+    return r->motion.at_rest || (a && a->moved) ? 2.0 : 1.0;
+}
+
+// For warnings of what the limit costs: the scene at rest has warned of it for all frames.
+static struct log limit_log(const struct render *r) {
+    return r->motion.at_rest ? (struct log){0} : r->log;
+}
+
 satin_status render_memory_begin(struct render *r) {
     struct render_memory *m = &r->memory;
     satin_options *o = &r->options;
     if (o->memory <= 0) return SATIN_OK;
     const bool records = render_has_stage(r, STAGE_RECORDS);
-    m->limit = (double)o->memory;
+    m->limit = (double)o->memory / renders_at_once(r);
     const double film = bytes_of_film(&r->scene, o);
     m->kept = PROCESS_BYTES + bytes_of_scene(&r->scene) + film;
     m->thread = THREAD_BYTES + (records ? RAY_BYTES * rays_of_hemisphere(o) : 0.0);
@@ -116,8 +128,8 @@ satin_status render_memory_begin(struct render *r) {
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "option memory: %s are too few: this scene and an image of %d x %d pixels "
                         "need %s",
-                        print_size(m->limit, limit), o->width, o->height,
-                        print_size(least, needed));
+                        print_size((double)o->memory, limit), o->width, o->height,
+                        print_size(renders_at_once(r) * least, needed));
     }
     const double threads = floor(FOR_THREADS * (m->limit - m->fixed) / m->thread);
     if (threads < parallel_cores(o->threads)) o->threads = (int)threads;
@@ -196,7 +208,7 @@ satin_status render_memory_photons(struct render *r) {
         const int64_t photons = *together, caustic = o->caustic_photons;
         *together = limited(photons, fraction);
         o->caustic_photons = limited(caustic, fraction);
-        log_message(r->log, SATIN_LOG_WARNING,
+        log_message(limit_log(r), SATIN_LOG_WARNING,
                     "option memory: %lld of %lld photons%s and %lld of %lld caustic photons",
                     (long long)*together, (long long)photons,
                     photon_streams(o) ? " of a batch" : "", (long long)o->caustic_photons,
@@ -242,9 +254,10 @@ void render_memory_end(struct render *r) {
                                : fmax(stats_get(&r->stats, "photons.bytes") - m->visibility, 0.0);
     const double later = m->fixed - m->kept + record_copies(r) * records + photons;
     if (cache && cache_full(cache))
-        log_message(r->log, SATIN_LOG_WARNING,
+        log_message(limit_log(r), SATIN_LOG_WARNING,
                     "option memory: no records beyond %zu; where they are missing, samples gather",
                     cache_count_all(cache));
     stats_set(&r->stats, "memory.estimate_bytes",
-              m->kept + parallel_threads(r->pool) * m->thread + fmax(m->photons, later));
+              renders_at_once(r) *
+                  (m->kept + parallel_threads(r->pool) * m->thread + fmax(m->photons, later)));
 }
