@@ -28,7 +28,8 @@ FIRST_SEED = 5001
 
 def render(options, number):
     """One image by sppm."""
-    out = pathlib.Path(options.dir) / f"{options.scene.stem}-sppm-{options.passes}-{options.k}-{number}.exr"
+    name = f"{options.scene.stem}-sppm-{options.passes}-{options.k}-{number}.exr"
+    out = pathlib.Path(options.dir) / name
     if not out.exists():
         photons, caustics = options.photons.split(",")
         size = options.size

@@ -89,10 +89,12 @@ static bool has_ended(const struct mpi_state *state, int rank) {
            kill(other->pid, 0) != 0 && errno == ESRCH;
 }
 
-// The first rank on this machine that has ended; the number of all ranks if none has.
-static int find_ended(const struct mpi_state *state) {
+// The first rank on this machine that has ended, of those that wait or of those that work; the
+// number of all ranks if none has.
+static int find_ended(const struct mpi_state *state, bool spare) {
     int rank = 0;
-    while (rank < state->count && !has_ended(state, rank)) rank++;
+    while (rank < state->count && (!has_ended(state, rank) || is_spare(state, rank) != spare))
+        rank++;
     return rank;
 }
 
@@ -103,17 +105,13 @@ static void report_ended(const struct mpi_state *state, int rank) {
             rank, (long)state->process[rank].pid);
 }
 
-// If a rank has ended without a message, ends this one; the first one that is left on the machine
-// reports it.
+// If a rank that works has ended without a message, ends all; the first one that finds it reports
+// it. If one that waits has, mpirun cancels the render, which is left to end.
 static void look_for_ranks(struct mpi_state *state) {
-    const int ended = find_ended(state);
-    if (ended == state->count || mpi_fetch_add(state, COUNTER_ABORTS, 0) > 0) return;
-    int first = 0;
-    while (first < state->own && (has_ended(state, first) || is_spare(state, first) ||
-                                  !same_machine(state, first, state->own)))
-        first++;
-    if (first == state->own) report_ended(state, ended);
-    // This ends all others too.
+    const int ended = find_ended(state, false);
+    if (ended == state->count) return;
+    if (mpi_fetch_add(state, COUNTER_ABORTS, 1) > 0) return;
+    report_ended(state, ended);
     MPI_Abort(MPI_COMM_WORLD, APP_FAILED);
 }
 
@@ -246,7 +244,8 @@ static void mpi_end(int status) {
     MPI_Request request;
     // All ranks are still there, unless one that waited was killed; mpirun has then cancelled the
     // render.
-    const int ended = status == APP_CANCELLED && state->own == 0 ? find_ended(state) : state->count;
+    const int ended =
+        status == APP_CANCELLED && state->own == 0 ? find_ended(state, true) : state->count;
     if (ended < state->count) report_ended(state, ended);
     MPI_Ibcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
     MPI_Wait(&request, MPI_STATUS_IGNORE);

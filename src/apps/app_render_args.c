@@ -254,7 +254,8 @@ int app_render_read(int argc, char **argv, struct app_render_request *r) {
     if (r->toned && !r->want_png && !r->preview && !app_ends_in(r->output, ".png"))
         return app_wrong("--exposure and --tonemap are those of a picture: add --png or --preview");
     if (r->checkpoint_seconds > 0.0 && !r->checkpoint && !r->resume)
-        return app_wrong("--checkpoint-every is that of a checkpoint: add --resume or --checkpoint");
+        return app_wrong(
+            "--checkpoint-every is that of a checkpoint: add --resume or --checkpoint");
     satin_options checked;
     return app_exit_of(
         satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));
