@@ -146,24 +146,6 @@ static int compare_names(const void *a, const void *b) {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static void print_manifest_name(FILE *out, const char *name) {
-    fputc('"', out);
-    while (*name) {
-        const unsigned char c = (unsigned char)*name;
-        const size_t bytes = text_utf8_bytes(name);
-        if (bytes == 0)
-            fputs(TEXT_REPLACEMENT, out);
-        else if (c < 0x20)
-            fprintf(out, "\\u%04x", c);
-        else if (c == '"' || c == '\\')
-            fprintf(out, "\\%c", c);
-        else
-            fwrite(name, 1, bytes, out);
-        name += bytes ? bytes : 1;
-    }
-    fputc('"', out);
-}
-
 // The manifest of all names of the scene, from malloc; NULL if there is no memory.
 static char *make_manifest(const struct satin_scene *scene, int matte) {
     char *text = NULL;
@@ -179,7 +161,7 @@ static char *make_manifest(const struct satin_scene *scene, int matte) {
         for (uint32_t i = 0; i < count; i++) {
             if (i > 0 && strcmp(name[i], name[i - 1]) == 0) continue;
             if (i > 0) fputc(',', out);
-            print_manifest_name(out, name[i]);
+            text_print_json(out, name[i]);
             fprintf(out, ":\"%08x\"", (unsigned)render_cryptomatte_id(name[i]));
         }
         fputc('}', out);
