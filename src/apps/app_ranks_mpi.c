@@ -6,17 +6,21 @@
 // use. They wait until the others have ended; the communicator of these is `comm`.
 //
 // MPI does not report that a rank was killed: it waits for that rank for ever, or until mpirun ends
-// all others too. So before ranks communicate, each waits until all are there, and looks meanwhile
-// whether the processes of ranks on its own machine still exist.
+// all others too. So each rank has a thread that looks whether the processes of ranks on its own
+// machine still exist.
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <mpi.h>
+#include <pthread.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "apps/app_ranks.h"
@@ -35,16 +39,20 @@ struct mpi_state {
     MPI_Win counters;
     int own, count;               // of all ranks
     struct mpi_process *process;  // by rank, of all
+    atomic_bool *explained;       // in memory of all ranks of this machine: whether one of them has
+                                  // said why all end
+    pthread_t watcher;
+    pthread_mutex_t mutex;  // of `ending`
+    pthread_cond_t end;
+    bool ending;  // the watcher is to end
 };
 
 // There is one, as MPI is one of the process.
 static struct mpi_state *mpi_state_get(void) {
-    static struct mpi_state state;
+    static struct mpi_state state = {.mutex = PTHREAD_MUTEX_INITIALIZER,
+                                     .end = PTHREAD_COND_INITIALIZER};
     return &state;
 }
-
-// The counter, behind those of satin_ranks, of ranks that end the others and have said why.
-enum { COUNTER_ABORTS = SATIN_RANKS_COUNTERS, COUNTERS };
 
 static uint64_t mpi_fetch_add(void *user, int counter, uint64_t add) {
     struct mpi_state *state = user;
@@ -53,9 +61,6 @@ static uint64_t mpi_fetch_add(void *user, int counter, uint64_t add) {
     MPI_Win_flush(0, state->counters);
     return before;
 }
-
-// How long ranks are waited for before they are looked for, and how often that is done then.
-static const double PATIENCE_SECONDS = 0.05, LOOK_SECONDS = 0.1;
 
 // ---- Ranks that wait, and ranks that were killed ------------------------------------------------
 
@@ -105,45 +110,84 @@ static void report_ended(const struct mpi_state *state, int rank) {
             rank, (long)state->process[rank].pid);
 }
 
-// If a rank that works has ended without a message, ends all; the first one that finds it reports
-// it. If one that waits has, mpirun cancels the render, which is left to end.
-static void look_for_ranks(struct mpi_state *state) {
-    const int ended = find_ended(state, false);
-    if (ended == state->count) return;
-    if (mpi_fetch_add(state, COUNTER_ABORTS, 1) > 0) return;
-    report_ended(state, ended);
-    MPI_Abort(MPI_COMM_WORLD, APP_FAILED);
+// Waits for so long or until `ending`.
+static void wait_watching(struct mpi_state *state, double seconds) {
+    enum { NANOSECONDS = 1000000000 };
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += (long)(fmod(seconds, 1.0) * NANOSECONDS);
+    until.tv_sec += (time_t)seconds + until.tv_nsec / NANOSECONDS;
+    until.tv_nsec %= NANOSECONDS;
+    int late = 0;
+    while (!state->ending && !late)
+        late = pthread_cond_timedwait(&state->end, &state->mutex, &until);
 }
 
-// Waits until all ranks are here.
-static void mpi_meet(struct mpi_state *state) {
+// If a rank that works has ended without a message, the first one of its machine that finds it
+// reports it. mpirun ends the others, which write their checkpoint in the second that it gives
+// them; without it they end themselves. If a rank that waits has ended, mpirun cancels the render,
+// which is left to end. MPI is not called here, as another thread may wait in it.
+static void *watch_ranks(void *arg) {
+    static const double LOOK_SECONDS = 0.1, LAST_SECONDS = 3.0;
+    struct mpi_state *state = arg;
+    int ended = state->count;
+    pthread_mutex_lock(&state->mutex);
+    while (!state->ending && ended == state->count) {
+        wait_watching(state, LOOK_SECONDS);
+        if (!state->ending) ended = find_ended(state, false);
+    }
+    if (!state->ending) {
+        if (!atomic_exchange(state->explained, true)) report_ended(state, ended);
+        wait_watching(state, LAST_SECONDS);
+        if (!state->ending) _exit(APP_FAILED);
+    }
+    pthread_mutex_unlock(&state->mutex);
+    return NULL;
+}
+
+// Begins to look for ranks; signals are left to the other threads. False if there is no thread.
+static bool begin_watch(struct mpi_state *state) {
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const bool begun = pthread_create(&state->watcher, NULL, watch_ranks, state) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return begun;
+}
+
+// To be called before any rank may end.
+static void end_watch(struct mpi_state *state) {
+    pthread_mutex_lock(&state->mutex);
+    state->ending = true;
+    pthread_cond_signal(&state->end);
+    pthread_mutex_unlock(&state->mutex);
+    pthread_join(state->watcher, NULL);
+}
+
+// ---- Communication ------------------------------------------------------------------------------
+
+// Waits until all ranks are here, which takes less of a core than MPI's own waiting.
+static void meet_ranks(const struct mpi_state *state) {
+    static const double PATIENCE_SECONDS = 0.05;
     MPI_Request request;
     int done = 0;
     const double start = MPI_Wtime();
-    double look = start + PATIENCE_SECONDS;
     MPI_Ibarrier(state->comm, &request);
     for (;;) {
         MPI_Test(&request, &done, MPI_STATUS_IGNORE);
         if (done) return;
-        const double now = MPI_Wtime();
-        if (now > look) {
-            look_for_ranks(state);
-            look = now + LOOK_SECONDS;
-        }
-        if (now - start > PATIENCE_SECONDS)
+        if (MPI_Wtime() - start > PATIENCE_SECONDS)
             usleep(100);
         else
             sched_yield();
     }
 }
 
-// ---- Communication ------------------------------------------------------------------------------
-
 static void mpi_broadcast(void *user, int root, void *data, size_t size) {
     enum { MESSAGE_MOST = 1 << 30 };  // counts of MPI are int
     const struct mpi_state *state = user;
     char *at = data;
-    mpi_meet(user);
+    meet_ranks(state);
     for (; size > 0; size -= size < MESSAGE_MOST ? size : MESSAGE_MOST) {
         const int n = size < MESSAGE_MOST ? (int)size : MESSAGE_MOST;
         MPI_Bcast(at, n, MPI_BYTE, root, state->comm);
@@ -154,7 +198,7 @@ static void mpi_broadcast(void *user, int root, void *data, size_t size) {
 static bool mpi_any(void *user, bool value) {
     const struct mpi_state *state = user;
     int own = value, all = 0;
-    mpi_meet(user);
+    meet_ranks(state);
     MPI_Allreduce(&own, &all, 1, MPI_INT, MPI_LOR, state->comm);
     return all;
 }
@@ -194,6 +238,23 @@ static void wait_for_others(void) {
     exit(status);
 }
 
+// Sets `explained`.
+static void explained_make(struct mpi_state *state) {
+    MPI_Comm machine;
+    MPI_Win window;
+    MPI_Aint size = sizeof *state->explained;
+    int unit, rank;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, state->own, MPI_INFO_NULL, &machine);
+    MPI_Comm_rank(machine, &rank);
+    // Left to MPI, as the counters.
+    MPI_Win_allocate_shared(rank == 0 ? size : 0, 1, MPI_INFO_NULL, machine, &state->explained,
+                            &window);
+    MPI_Win_shared_query(window, 0, &size, &unit, &state->explained);
+    if (rank == 0) atomic_init(state->explained, false);
+    MPI_Barrier(machine);
+    MPI_Comm_free(&machine);
+}
+
 // Divides the ranks into those that work and those that wait, which do not return. The first one is
 // among the former, and says so.
 static void divide_ranks(struct mpi_state *state) {
@@ -229,19 +290,25 @@ static const satin_ranks *mpi_begin(const char **problem) {
         *problem = "there is not enough memory";
         return NULL;
     }
+    explained_make(state);
     divide_ranks(state);
     uint64_t *counter = NULL;
-    const MPI_Aint own = state->ranks.rank == 0 ? COUNTERS * sizeof *counter : 0;
+    const MPI_Aint own = state->ranks.rank == 0 ? SATIN_RANKS_COUNTERS * sizeof *counter : 0;
     MPI_Win_allocate(own, sizeof *counter, MPI_INFO_NULL, state->comm, &counter, &state->counters);
-    for (int i = 0; own && i < COUNTERS; i++) counter[i] = 0;
+    for (int i = 0; own && i < SATIN_RANKS_COUNTERS; i++) counter[i] = 0;
     MPI_Barrier(state->comm);
     MPI_Win_lock_all(0, state->counters);
+    if (!begin_watch(state)) {
+        *problem = "there is not enough memory for a thread";
+        return NULL;
+    }
     return &state->ranks;
 }
 
 static void mpi_end(int status) {
-    const struct mpi_state *state = mpi_state_get();
+    struct mpi_state *state = mpi_state_get();
     MPI_Request request;
+    end_watch(state);
     // All ranks are still there, unless one that waited was killed; mpirun has then cancelled the
     // render.
     const int ended =
@@ -254,7 +321,7 @@ static void mpi_end(int status) {
 }
 
 static void mpi_abort(int status) {
-    mpi_fetch_add(mpi_state_get(), COUNTER_ABORTS, 1);
+    atomic_store(mpi_state_get()->explained, true);
     MPI_Abort(MPI_COMM_WORLD, status);
 }
 

@@ -118,7 +118,8 @@ IDENTIFIERS = {
                 r"|scene/scene_camera_check|shade/shade\.c)",
         r"guide_seen(?:_\w+)?|GUIDE_SEEN_\w+|RNG_SEEN|SEEN_PATHS|seen_paths?|trace_seen": "src/"}),
     "Level": ("levels?", {
-        "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_levels|plugins_texture)"
+        "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_l(?:evels|imit)"
+                   r"|plugins_texture)"
                    r"|render/render_(?:budget|records)|scene/scene(?:_texture)?\.)",
         "RENDER_LEVELS|cover_levels|record_level|level_pays":
             "src/render/render_(?:budget|records)",
@@ -153,7 +154,9 @@ IDENTIFIERS = {
     # Never a fraction.
     "Shared": ("shar(?:es?|ed|ing)", {
         "load_xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
-        "SetSharedFilterImage": "src/film/"}),
+        "SetSharedFilterImage": "src/film/",
+        "MPI_(?:COMM_TYPE_SHARED|Win_allocate_shared|Win_shared_query)":
+            "src/apps/app_ranks_mpi"}),
 }
 # Words that are retired from identifiers alone: a pattern of the word, the files from which it is
 # retired, and the terms in its place.
@@ -185,7 +188,7 @@ IN_TEXT = {
              r"|src/scene/scene_camera|src/load/load_plugins_(?:integrator|sensor|shape)\.c"
              r"|include/satin/options\.h", ""),
     "Level": ("levels?", r"src/cache/cache_tree|src/fill/fill_batch"
-              r"|src/load/load_(?:image_levels|build|plugins_texture\.c)"
+              r"|src/load/load_(?:image_l(?:evels|imit)|build|plugins_texture\.c)"
               r"|src/scene/scene(?:_texture\.c|\.h)"
               r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c",
               "recursive-levels"),
