@@ -90,7 +90,7 @@ typedef struct satin_options {
     int threads;         // 0: one per core
     double time;         // wall seconds for the whole render; 0: no limit
     int64_t memory;      // bytes for the whole process, by which photons, records and threads are
-                         // limited; 0: no limit
+                         // limited, and textures if the scene was loaded with it; 0: no limit
     int max_depth;       // in path segments, as in Mitsuba; -1: no limit; -2: the scene's or -1
     int rr_depth;        // path depth at which Russian roulette starts; 0: the scene's, else 5
     int hide_emitters;   // 1: emitters seen directly are black; 0: not; -1: the scene's, else 0

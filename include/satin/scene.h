@@ -71,6 +71,9 @@ typedef struct satin_scene_request {
     const char *sensor;       // the id of the sensor, or its index from 0; NULL: the first sensor
     const satin_pose *poses;  // objects that are not where the file has them
     size_t pose_count;
+    // The option `memory` of the renders [bytes]: images become coarser, the largest first, until
+    // they take at most half of it beside the process, with a warning; 0: no limit.
+    int64_t memory;
 } satin_scene_request;
 
 // satin_scene_load by a request, which must not be NULL. SATIN_ERROR_INPUT also if the scene has no

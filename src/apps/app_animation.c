@@ -249,16 +249,28 @@ int app_animation_choose(const struct app_render_request *r, const satin_scene *
 
 // ---- Scenes -------------------------------------------------------------------------------------
 
+// The option that the arguments set; the scene's own is not known before it is read.
+static int64_t memory_of(const struct app_render_request *r) {
+    satin_options options = satin_options_default;
+    for (size_t i = 0; i < r->setting_count; i++)
+        if (strcmp(r->setting[i].name, "memory") == 0)
+            satin_options_set(&options, r->setting[i].name, r->setting[i].value, NULL, NULL);
+    return options.memory;
+}
+
 static satin_status read_posed_scene(const struct app_render_request *r,
                                      const struct app_animation *animation, const satin_pose *poses,
                                      struct log log, satin_scene **scene) {
     const unsigned sensors = animation->path.sensors ? SATIN_SCENE_ALL_SENSORS : 0;
+    // Where objects move, two scenes are in memory.
+    const int scenes = animation->path.object_count > 0 ? 2 : 1;
     const satin_scene_request request = {.defines = r->define,
                                          .define_count = r->define_count,
                                          .flags = r->scene_flags | SATIN_SCENE_STREAM | sensors,
                                          .sensor = r->sensor,
                                          .poses = poses,
-                                         .pose_count = animation->path.object_count};
+                                         .pose_count = animation->path.object_count,
+                                         .memory = memory_of(r) / scenes};
     return satin_scene_load_request(r->scene, &request, log.fn, log.user, scene);
 }
 

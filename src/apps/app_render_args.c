@@ -90,7 +90,7 @@ const struct app_flag app_render_flags[] = {
     {"--threads", NULL, "T", "The number of threads; 0 is one per core."},
     {"--time", NULL, "SECONDS", "Stops with the best image so far when the time is up."},
     {"--memory", NULL, "SIZE",
-     "Limits memory, such as 4G, by fewer photons and records; refuses what cannot fit."},
+     "Limits memory, such as 4G: fewer photons, coarser textures; refuses what cannot fit."},
     {"--denoise", NULL, NULL,
      "Denoises the light that no record carries; needs Open Image Denoise."},
     {NULL, NULL, NULL, NULL},

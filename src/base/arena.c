@@ -56,6 +56,32 @@ void *arena_array(struct arena *arena, size_t count, size_t size) {
     return arena_alloc(arena, count * size);
 }
 
+void *arena_array_alone(struct arena *arena, size_t count, size_t size) {
+    if (size && count > SIZE_MAX / 2 / size) return NULL;
+    const size_t bytes = count > 0 && size > 0 ? count * size : 1;
+    struct arena_block *block = block_new(bytes);
+    if (!block) return NULL;
+    // Behind the block from which small objects are handed out.
+    struct arena_block **link = arena->head ? &arena->head->next : &arena->head;
+    block->next = *link;
+    block->used = block->size;
+    *link = block;
+    arena->bytes += block->size;
+    return memset(block->data, 0, bytes);
+}
+
+void arena_drop(struct arena *arena, const void *array) {
+    for (struct arena_block **link = &arena->head; *link; link = &(*link)->next) {
+        struct arena_block *block = *link;
+        if (block->data != array) continue;
+        *link = block->next;
+        arena->bytes -= block->size;
+        free(block->data);
+        free(block);
+        return;
+    }
+}
+
 char *arena_text(struct arena *arena, const char *text, size_t length) {
     char *copy = length < SIZE_MAX / 2 ? arena_alloc(arena, length + 1) : NULL;
     if (copy && length) memcpy(copy, text, length);

@@ -17,6 +17,10 @@ struct arena {
 void *arena_alloc(struct arena *arena, size_t bytes);
 // `count * size` bytes; NULL too if the product overflows.
 void *arena_array(struct arena *arena, size_t count, size_t size);
+// As arena_array, in a block of its own, which arena_drop frees.
+void *arena_array_alone(struct arena *arena, size_t count, size_t size);
+// Frees an array of arena_array_alone before the others. NULL is allowed.
+void arena_drop(struct arena *arena, const void *array);
 // A copy of `length` bytes of text with a terminating 0.
 char *arena_text(struct arena *arena, const char *text, size_t length);
 // Frees all; the arena is empty and usable again.

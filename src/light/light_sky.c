@@ -91,7 +91,7 @@ bool light_sky_image(struct arena *arena, const struct sky *sky, struct image *o
             for (int k = 0; k < 3; k++)
                 t[k] = fraction * dome_at(&dome[k], fmax(cos(theta), 0.0), gamma);
         }
-    *out = (struct image){SKY_COLUMNS, SKY_ROWS, 3, texel};
+    *out = scene_image_make(SKY_COLUMNS, SKY_ROWS, 3, texel);
     return true;
 }
 

@@ -360,6 +360,8 @@ satin_status satin_scene_load_request(const char *path, const satin_scene_reques
     loader.lenient = (request->flags & SATIN_SCENE_LENIENT) != 0;
     loader.sensor = request->sensor;
     loader.all_sensors = (request->flags & SATIN_SCENE_ALL_SENSORS) != 0;
+    loader.images =
+        (struct load_images){.arena = &loader.scene->arena, .memory = (double)request->memory};
     satin_status status = load_poses_begin(&loader, request);
     if (status == SATIN_OK) status = describe_definitions(&loader, request);
     if (status == SATIN_OK) status = read_scene_file(&loader, request);
@@ -373,6 +375,8 @@ satin_status satin_scene_load_request(const char *path, const satin_scene_reques
         loader.scene->read = *loader.xml.read;
         *loader.xml.read = (struct fileio_files){0};
     }
+    load_images_end(&loader.images, status == SATIN_OK ? loader.each : (struct log){0},
+                    &loader.scene->images);
     load_xml_free(&loader.xml);
     free(loader.shape);
     free(loader.material);

@@ -24,6 +24,17 @@ struct load_source {
     uint64_t *hash;  // continued over the bytes of the file
 };
 
+// Where images are kept, and what they may take.
+struct load_images {
+    struct arena *arena;
+    double memory;  // a render's limit [bytes], of which images may take half of what the process
+                    // leaves; 0: there is none
+    struct load_held *held;  // all of them; owned
+    size_t count, capacity;
+    double full;  // what they would take without a limit
+    bool module;  // whether some were read by OpenImageIO
+};
+
 // Reads the whole file, of at most `max_bytes`, and continues the hash over it. The caller frees
 // *data, which has a 0 after its `size` bytes.
 satin_status load_source_read(const struct load_source *source, size_t max_bytes, char **data,
@@ -70,10 +81,28 @@ satin_status load_curves(const struct load_source *source, const struct mat4 *to
 
 // Reads an image by libpng or OpenImageIO to linear floats with 1 or 3 channels, without alpha.
 // Unless `raw`, 8- and 16-bit data that is sRGB or untagged is converted to linear.
-satin_status load_image(const struct load_source *source, bool raw, const struct image **out);
+// SATIN_ERROR_INPUT also if it is much larger than what images may take.
+satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
+                        struct image **out);
 // Makes all smaller copies of an image, down to one texel. False if there is no memory.
-bool load_image_levels(struct arena *arena, const struct image *image, const struct image **level,
+bool load_image_levels(struct arena *arena, const struct image *image, struct image **level,
                        int *levels);
+// Sets *out, whose texels are a copy alone in the arena, to one of half the size. False if there is
+// no memory.
+bool load_image_coarser(struct arena *arena, const struct image *from, struct image *out);
+
+// ---- load_image_limit.c: images that become coarser where memory is limited
+
+// What all images may take [bytes]; INFINITY without a limit.
+double load_images_most(const struct load_images *images);
+// The limit of a render in which they may take so much.
+double load_images_limit(const struct load_images *images, double bytes);
+// Keeps an image with its levels, which stay where they are while it becomes coarser: the largest
+// images are replaced by their copies until all fit. False if there is no memory.
+bool load_images_keep(struct load_images *images, struct image *image, struct image *level,
+                      int levels);
+// Warns if images are coarser, and frees the list.
+void load_images_end(struct load_images *images, struct log log, struct scene_images *out);
 // Converts an sRGB value to linear.
 static inline float load_srgb_to_linear(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);

@@ -64,9 +64,25 @@ static satin_status image_error(const struct load_source *source, const char *pr
 // PIXELS_PER_BYTE pixels: no real format compresses better (deflate compresses 8 one-bit pixels by
 // 1032).
 enum { PIXELS_FREE = 1 << 22, PIXELS_PER_BYTE = 10000 };
+static const double SMALL_BYTES = 10e6;
 
-static satin_status check_size(const struct load_source *source, const struct opened_image *opened,
-                               size_t bytes) {
+// An image is in memory at its full size, with its copies, before it can become coarser. Small ones
+// are always read: a render that fits has as much for other things, and one that does not is
+// refused with the memory for all.
+static satin_status check_memory(const struct load_source *source, const struct load_images *images,
+                                 const struct opened_image *opened) {
+    const double bytes =
+        4.0 / 3.0 * sizeof(float) * opened->width * opened->height * opened->channels;
+    if (bytes <= fmax(load_images_most(images), SMALL_BYTES)) return SATIN_OK;
+    log_error_at(source->log, source->place,
+                 "option memory: image '%s' of %d x %d pixels needs %.0fM while it is read",
+                 source->path, opened->width, opened->height,
+                 ceil(load_images_limit(images, bytes) / (1 << 20)));
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status check_size(const struct load_source *source, const struct load_images *images,
+                               const struct opened_image *opened, size_t bytes) {
     uint64_t pixels = (uint64_t)opened->width * (uint64_t)opened->height;
     if (pixels > LOAD_IMAGE_PIXELS_MAX)
         log_error_at(source->log, source->place, "image '%s' is too large: %d x %d", source->path,
@@ -75,15 +91,15 @@ static satin_status check_size(const struct load_source *source, const struct op
         log_error_at(source->log, source->place, "image '%s' is cut short: %d x %d in %zu bytes",
                      source->path, opened->width, opened->height, bytes);
     else
-        return SATIN_OK;
+        return check_memory(source, images, opened);
     return SATIN_ERROR_INPUT;
 }
 
 static satin_status read_texels(const struct load_source *source, const struct image_reader *reader,
-                                struct opened_image *opened, bool raw, const struct image **out) {
+                                struct opened_image *opened, bool raw, struct image **out) {
     size_t pixels = (size_t)opened->width * (size_t)opened->height;
     size_t count = pixels * (size_t)opened->channels;
-    float *texel = arena_array(source->arena, count, sizeof *texel);
+    float *texel = arena_array_alone(source->arena, count, sizeof *texel);
     struct image *image = arena_alloc(source->arena, sizeof *image);
     if (!texel || !image)
         return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
@@ -92,36 +108,40 @@ static satin_status read_texels(const struct load_source *source, const struct i
     const enum reader_result result = reader->read(opened, texel, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
     finish_texels(source, texel, count, !raw && opened->srgb);
-    *image = (struct image){opened->width, opened->height, opened->channels, texel};
+    *image = scene_image_make(opened->width, opened->height, opened->channels, texel);
     *out = image;
     return SATIN_OK;
 }
 
-static satin_status read_image(const struct load_source *source, const struct image_reader *reader,
-                               const struct image_data *file, bool raw, const struct image **out) {
+static satin_status read_image(const struct load_source *source, const struct load_images *images,
+                               const struct image_reader *reader, const struct image_data *file,
+                               bool raw, struct image **out) {
     struct opened_image opened;
     char error[512] = "";
     const enum reader_result result = reader->open(file, &opened, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
-    satin_status status = check_size(source, &opened, file->size);
+    satin_status status = check_size(source, images, &opened, file->size);
     if (status == SATIN_OK) status = read_texels(source, reader, &opened, raw, out);
     reader->close(&opened);
     return status;
 }
 
-satin_status load_image(const struct load_source *source, bool raw, const struct image **out) {
+satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
+                        struct image **out) {
     char *data;
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct image_data file = {source->path, data, size};
     if (load_image_is_png(&file)) {
-        status = read_image(source, &load_image_png, &file, raw, out);
+        status = read_image(source, images, &load_image_png, &file, raw, out);
         free(data);
         return status;
     }
     free(data);
     file.data = NULL;
     const struct image_reader *module = open_module(source->log, source->place);
-    return module ? read_image(source, module, &file, raw, out) : SATIN_ERROR_INTERNAL;
+    if (!module) return SATIN_ERROR_INTERNAL;
+    images->module = true;
+    return read_image(source, images, module, &file, raw, out);
 }

@@ -40,7 +40,18 @@ static void shrink_image(const struct image *from, const struct image *to, float
     }
 }
 
-bool load_image_levels(struct arena *arena, const struct image *image, const struct image **level,
+bool load_image_coarser(struct arena *arena, const struct image *from, struct image *out) {
+    const int width = half_size(from->width), height = half_size(from->height);
+    const size_t texels = (size_t)width * (size_t)height;
+    float *texel = arena_array_alone(arena, texels * (size_t)from->channels, sizeof *texel);
+    if (!texel) return false;
+    const struct image to = scene_image_make(width, height, from->channels, texel);
+    shrink_image(from, &to, texel);
+    *out = to;
+    return true;
+}
+
+bool load_image_levels(struct arena *arena, const struct image *image, struct image **level,
                        int *levels) {
     int count = 0;
     for (int w = image->width, h = image->height; w > 1 || h > 1;
@@ -48,16 +59,8 @@ bool load_image_levels(struct arena *arena, const struct image *image, const str
         count++;
     struct image *made = arena_array(arena, (size_t)count, sizeof *made);
     if (!made) return false;
-    for (int i = 0; i < count; i++) {
-        const struct image *from = i ? &made[i - 1] : image;
-        struct image to = {half_size(from->width), half_size(from->height), from->channels, NULL};
-        size_t texels = (size_t)to.width * (size_t)to.height;
-        float *texel = arena_array(arena, texels * (size_t)to.channels, sizeof *texel);
-        if (!texel) return false;
-        shrink_image(from, &to, texel);
-        to.texel = texel;
-        made[i] = to;
-    }
+    for (int i = 0; i < count; i++)
+        if (!load_image_coarser(arena, i ? &made[i - 1] : image, &made[i])) return false;
     *level = made;
     *levels = count;
     return true;

@@ -284,17 +284,15 @@ satin_status load_light_orient(struct load_state *loader, const struct params *p
 }
 
 // Mitsuba needs three rows: it repeats the last of two.
-static satin_status repeat_row(struct load_state *loader, const struct image **image) {
-    const struct image *from = *image;
-    if (from->height != 2) return SATIN_OK;
-    const size_t row = (size_t)from->width * (size_t)from->channels;
-    struct image *copy = arena_alloc(&loader->scene->arena, sizeof *copy);
-    float *texel = arena_array(&loader->scene->arena, 3 * row, sizeof *texel);
-    if (!copy || !texel) return load_no_memory(loader);
-    memcpy(texel, from->texel, 2 * row * sizeof *texel);
-    memcpy(texel + 2 * row, from->texel + row, row * sizeof *texel);
-    *copy = (struct image){from->width, 3, from->channels, texel};
-    *image = copy;
+static satin_status repeat_row(struct load_state *loader, struct image *image) {
+    if (image->height != 2) return SATIN_OK;
+    const size_t row = (size_t)image->width * (size_t)image->channels;
+    float *texel = arena_array_alone(&loader->scene->arena, 3 * row, sizeof *texel);
+    if (!texel) return load_no_memory(loader);
+    memcpy(texel, image->texel, 2 * row * sizeof *texel);
+    memcpy(texel + 2 * row, image->texel + row, row * sizeof *texel);
+    arena_drop(&loader->scene->arena, image->texel);
+    *image = scene_image_make(image->width, 3, image->channels, texel);
     return SATIN_OK;
 }
 
@@ -307,9 +305,13 @@ static satin_status build_envmap(struct load_state *loader, const struct params 
     struct load_source source;
     status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
-    status = load_image(&source, false, &light->image);
+    struct image *image;
+    status = load_image(&source, &loader->images, false, &image);
     free((char *)source.path);
-    return status == SATIN_OK ? repeat_row(loader, &light->image) : status;
+    if (status == SATIN_OK) status = repeat_row(loader, image);
+    if (status != SATIN_OK) return status;
+    light->image = image;
+    return load_images_keep(&loader->images, image, NULL, 0) ? SATIN_OK : load_no_memory(loader);
 }
 
 const struct plugin_spec load_emitter_plugins[] = {

@@ -157,10 +157,12 @@ static satin_status image_of(struct load_state *loader, const struct param_value
     if (image.path && array_reserve(&items, &loader->image_capacity, loader->image_count + 1,
                                     sizeof *loader->image)) {
         loader->image = items;
-        status = load_image(&source, as_is, &image.image);
+        status = load_image(&source, &loader->images, as_is, &image.image);
         // Numbers and normals are not averaged.
-        if (status == SATIN_OK && !as_is &&
-            !load_image_levels(source.arena, image.image, &image.level, &image.levels))
+        if (status == SATIN_OK &&
+            ((!as_is &&
+              !load_image_levels(source.arena, image.image, &image.level, &image.levels)) ||
+             !load_images_keep(&loader->images, image.image, image.level, image.levels)))
             status = load_no_memory(loader);
     } else {
         status = load_no_memory(loader);
@@ -184,14 +186,13 @@ static satin_status build_bitmap(struct load_state *loader, const struct params 
     satin_status status =
         image_of(loader, load_param(p, "filename"), load_param(p, "raw")->b, &loaded);
     if (status != SATIN_OK) return status;
-    const struct image *image = texture->image = loaded->image;
+    texture->image = loaded->image;
     const float *m = texture->to_uv;
     texture->level = loaded->level;
     texture->levels = texture->nearest ? 0 : loaded->levels;
     texture->filtered = texture->levels > 0;
-    texture->texels =
-        sqrtf(fabsf(m[0] * m[4] - m[1] * m[3]) * (float)image->width * (float)image->height);
-    texture->mean = image_mean(image);
+    texture->unit = sqrtf(fabsf(m[0] * m[4] - m[1] * m[3]));
+    texture->mean = image_mean(texture->image);
     return SATIN_OK;
 }
 

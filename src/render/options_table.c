@@ -76,9 +76,11 @@ const struct option options_table[] = {
     {"memory", OPTION_BYTES, AT(memory), false, "0..1P",
      "Limit of the memory of the process in bytes, with K, M, G or T for 2^10, 2^20, 2^30 or 2^40 "
      "of them, such as 4G; 0 is no limit. Photons and records, and threads, are as many as fit, "
-     "and where a sky is visible is learned if that fits. A scene and an image that do not fit are "
-     "refused, with the bytes that they need, before the render begins. Reading the scene, "
-     "checkpoints, several processes and Open Image Denoise may need more."},
+     "textures become coarser, the largest first, until they take at most half, and where a sky "
+     "is visible is learned if that fits. A scene and an image that do not fit are refused, with "
+     "the bytes that they need, before the render begins. Reading meshes, checkpoints, several "
+     "processes and Open Image Denoise may need more. Textures do not change if a scene sets this, "
+     "as they are read before."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
      "Length of the longest light path in segments: 0 is a black image, 1 emitted light alone, 2 "
      "direct light too. -1 is no limit, and -2 the scene's limit, if it has one."},

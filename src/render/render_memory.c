@@ -5,13 +5,10 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
+#include "base/process.h"
 #include "render/render_image.h"
 
-// Measured: the program with its libraries and small buffers takes 11.5 to 13 MB, and 128 MB more
-// with OpenImageIO, which reads all images but PNG files.
-static const double PROCESS_BYTES = 13e6, MODULE_BYTES = 130e6;
 // Embree's BVH takes up to 86 bytes per triangle, beside the scene's own arrays.
 static const double TRIANGLE_BYTES = 86.0;
 // A thread takes .5 MB, and if it gathers 300 bytes for each ray of the largest hemisphere.
@@ -25,21 +22,9 @@ static const double ADAPTIVE_RECORDS = 2.0;
 // The fractions of what is not fixed.
 static const double FOR_THREADS = 0.25, FOR_PHOTONS = 0.65, FOR_PASSES = 0.75;
 
-static bool ends_in_png(const char *path) {
-    const size_t length = strlen(path);
-    return length > 4 && strcmp(path + length - 4, ".png") == 0;
-}
-
-static bool reads_module(const struct satin_scene *scene) {
-    bool module = scene->environment >= 0 && scene->light[scene->environment].image;
-    for (uint32_t i = 0; i < scene->image_count; i++)
-        module = module || !ends_in_png(scene->image[i].path);
-    return module;
-}
-
 static double bytes_of_scene(const struct satin_scene *scene) {
     return (double)scene->arena.bytes + TRIANGLE_BYTES * (double)scene->triangle_count +
-           (reads_module(scene) ? MODULE_BYTES : 0.0);
+           (scene->images.module ? PROCESS_MODULE_BYTES : 0.0);
 }
 
 // What the film and the counts of samples take before there is an image. The sums of the pixels,
@@ -100,6 +85,14 @@ static struct log limit_log(const struct render *r) {
     return r->motion.at_rest ? (struct log){0} : r->log;
 }
 
+// The limit with which a render that needs so much would not be refused. Images take half of what
+// the process leaves of a limit, if they need it.
+static double limit_needed(const struct scene_images *images, double needed) {
+    const double process = PROCESS_BYTES + (images->module ? PROCESS_MODULE_BYTES : 0.0);
+    const double others = needed - images->bytes - process;
+    return process + others + fmax(fmin(images->full, others), images->bytes);
+}
+
 satin_status render_memory_begin(struct render *r) {
     struct render_memory *m = &r->memory;
     satin_options *o = &r->options;
@@ -125,11 +118,12 @@ satin_status render_memory_begin(struct render *r) {
     }
     if (least > m->limit) {
         char limit[16], needed[16];
-        return log_fail(r->log, SATIN_ERROR_INPUT,
-                        "option memory: %s are too few: this scene and an image of %d x %d pixels "
-                        "need %s",
-                        print_size((double)o->memory, limit), o->width, o->height,
-                        print_size(renders_at_once(r) * least, needed));
+        return log_fail(
+            r->log, SATIN_ERROR_INPUT,
+            "option memory: %s are too few: this scene and an image of %d x %d pixels "
+            "need %s",
+            print_size((double)o->memory, limit), o->width, o->height,
+            print_size(renders_at_once(r) * limit_needed(&r->scene.images, least), needed));
     }
     const double threads = floor(FOR_THREADS * (m->limit - m->fixed) / m->thread);
     if (threads < parallel_cores(o->threads)) o->threads = (int)threads;

@@ -37,15 +37,25 @@ enum texture_kind {
 struct image {
     int width, height, channels;
     const float *texel;  // row by row from the top
+    float side;          // square root of their number
 };
+static inline struct image scene_image_make(int width, int height, int channels,
+                                            const float *texel) {
+    return (struct image){width, height, channels, texel, sqrtf((float)width * (float)height)};
+}
 
 // An image that was read from a file, with smaller copies for lookups over a footprint.
 struct image_file {
     const char *path;
-    const struct image *image, *level;  // level: copies of half the size, a quarter, ...; NULL if
-                                        // raw
+    struct image *image, *level;  // level: copies of half the size, a quarter, ...; NULL if raw
     int levels;
     bool raw;
+};
+
+// The memory of the images that were read from files.
+struct scene_images {
+    bool module;         // whether some were read by OpenImageIO
+    double bytes, full;  // as they are, and as they would be without a limit
 };
 
 struct texture {
@@ -58,7 +68,7 @@ struct texture {
     const struct image *image, *level;  // level: copies of half the size, a quarter, ...; or NULL
     int levels;
     bool filtered;  // whether it, or a texture nested in it, can be averaged over a footprint
-    float texels;   // number of the image's texels along a unit of uv, averaged over u and v
+    float unit;     // length of a unit of uv after to_uv, averaged over u and v
     enum texture_wrap wrap, wrap_v;  // along u and v
     bool nearest;                    // filter_type nearest; else bilinear
     const char *attribute;           // name of a mesh attribute; equal names have the same pointer
@@ -290,6 +300,7 @@ struct satin_scene {
                                           // material_side
     struct image_file *image;             // of bitmap textures
     uint32_t image_count, texture_count;
+    struct scene_images images;  // these, and an environment's
     struct light *light;
     uint32_t light_count;
     const float *light_cdf;         // light_count + 1, by power; NULL without lights

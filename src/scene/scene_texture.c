@@ -63,7 +63,7 @@ static const struct image *texture_level(const struct texture *texture, int i) {
 
 static rgb bitmap(const struct texture *texture, float u, float v, float width) {
     if (texture->nearest) return nearest_texel(texture, u, v);
-    float texels = width * texture->texels;
+    float texels = width * texture->unit * texture->image->side;
     if (!(texels > 1.0f) || !texture->levels)
         return interpolate_texels(texture, texture->image, u, v);
     // Interpolates between the level whose texels are just narrower than the footprint and the next

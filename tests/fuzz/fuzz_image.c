@@ -1,20 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes given as an image, through OpenImageIO: finite texels of at least 0, or one logged
-// error; no crash in satin, bounded memory.
+// error; so are those of smaller copies and of the image that a limit of memory leaves; no crash in
+// satin, bounded memory.
 #include "fuzz_case.h"
 #include "load/load_build.h"
+
+static void check_texels(const struct image *image) {
+    const size_t texels = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < texels * (size_t)image->channels; i++)
+        if (!(image->texel[i] >= 0.0f) || !isfinite(image->texel[i])) abort();
+}
+
+// Halves the image as often as it can be.
+static void check_coarser(struct load_images *images, struct image *image, bool raw) {
+    struct image *level = NULL;
+    struct scene_images what;
+    int levels = 0;
+    images->memory = 1.0;
+    if ((!raw && !load_image_levels(images->arena, image, &level, &levels)) ||
+        !load_images_keep(images, image, level, levels))
+        abort();
+    load_images_end(images, (struct log){0}, &what);
+    if (image->width >= 6 && image->height >= 6) abort();
+    check_texels(image);
+    for (int i = 0; i < levels; i++) check_texels(&level[i]);
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[FUZZ_PATH];
     int file = fuzz_file(data, size, path), lines = 0;
     struct arena arena = {0};
     struct load_source source = {{fuzz_count, &lines}, {"fuzz.xml", 1, 1}, &arena, path, NULL};
-    const struct image *image = NULL;
-    satin_status status = load_image(&source, size & 1, &image);
+    struct load_images images = {.arena = &arena};
+    struct image *image = NULL;
+    satin_status status = load_image(&source, &images, size & 1, &image);
     if (lines != (status != SATIN_OK) || (status == SATIN_OK) != (image != NULL)) abort();
-    size_t texels = image ? (size_t)image->width * (size_t)image->height : 0;
-    for (size_t i = 0; i < texels * (size_t)(image ? image->channels : 0); i++)
-        if (!(image->texel[i] >= 0.0f) || !isfinite(image->texel[i])) abort();
+    if (image) {
+        check_texels(image);
+        check_coarser(&images, image, size & 1);
+    }
     arena_free(&arena);
     close(file);
     return 0;

@@ -179,7 +179,7 @@ static struct image noise_image(float *texel, int width, int height) {
         texel[3 * i] = texel[3 * i + 1] = texel[3 * i + 2] = powf(rng_float(&rng), 4.0f);
     for (int i = 0; i < 3; i++) texel[3 * (width + 2) + i] = 20.0f;       // a small sun
     for (int i = 0; i < 3 * width; i++) texel[3 * width * 3 + i] = 0.0f;  // a black line
-    return (struct image){width, height, 3, texel};
+    return scene_image_make(width, height, 3, texel);
 }
 
 static struct light environment(const struct image *image) {
@@ -216,7 +216,7 @@ static void environments_are_oriented_as_in_mitsuba(void **state) {
     (void)state;
     float texel[36] = {0};
     for (int i = 0; i < 12; i++) texel[3 * i] = (float)(i + 1);
-    struct image image = {4, 3, 3, texel};
+    struct image image = scene_image_make(4, 3, 3, texel);
     struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = &image};
     light.to_world = mat4_rotate(v3(0, 1, 0), 30.0f);
     assert_true(mat4_inverse(&light.to_world, &light.to_local));

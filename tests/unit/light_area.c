@@ -67,7 +67,7 @@ struct textured {
 
 static void make_textured(struct textured *l) {
     for (int i = 0; i < TEXELS * TEXELS; i++) l->texel[i] = i == BRIGHT ? 100.0f : 0.1f;
-    l->image = (struct image){TEXELS, TEXELS, 1, l->texel};
+    l->image = scene_image_make(TEXELS, TEXELS, 1, l->texel);
     l->texture = (struct texture){.kind = TEXTURE_BITMAP,
                                   .to_uv = {1, 0, 0, 0, 1, 0},
                                   .image = &l->image,

@@ -9,7 +9,7 @@
 static void the_sun_is_a_disc(void **state) {
     (void)state;
     float texel[4 * 3 * 3] = {0};
-    const struct image black = {4, 3, 3, texel};
+    const struct image black = scene_image_make(4, 3, 3, texel);
     struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = &black};
     light.to_world = light.to_local = mat4_identity();
     light.sun = v3_unit(v3(0.3f, 0.2f, -0.8f));
@@ -156,7 +156,7 @@ static void samples_are_read_after_they_arrive(void **state) {
     float texel[WIDTH * HEIGHT * 3], weight[LIGHT_HISTOGRAM_BINS];
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
         texel[i] = i < 2 * WIDTH * 3 ? 0.0f : (float)(i % 5);
-    const struct image image = {WIDTH, HEIGHT, 3, texel};
+    const struct image image = scene_image_make(WIDTH, HEIGHT, 3, texel);
     struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = &image};
     light.to_world = light.to_local = mat4_identity();
     light.sun = v3_unit(v3(0.3f, 0.2f, -0.8f));

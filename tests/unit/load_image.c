@@ -2,6 +2,7 @@
 // Images through both readers: values of several formats, linearised or raw, and wrong files.
 #include <png.h>
 
+#include "base/process.h"
 #include "mesh_case.h"
 
 struct image_case {
@@ -11,11 +12,12 @@ struct image_case {
 };
 
 static satin_status load_image_load(struct image_case *c, const char *path, bool raw,
-                                    const struct image **image) {
+                                    struct image **image) {
     *c = (struct image_case){.hash = 1};
     struct load_source source = {
         scene_case_begin(&c->log), {"scene.xml", 3, 7}, &c->arena, path, &c->hash};
-    return load_image(&source, raw, image);
+    struct load_images images = {.arena = &c->arena};
+    return load_image(&source, &images, raw, image);
 }
 
 static float decoded(double x) {
@@ -35,7 +37,7 @@ static void bytes_become_linear(void **state) {
     write_png("rgba.png", PNG_FORMAT_RGBA, pixel);
     for (int raw = 0; raw < 2; raw++) {
         struct image_case c;
-        const struct image *image;
+        struct image *image;
         assert_int_equal(load_image_load(&c, "rgba.png", raw, &image), SATIN_OK);
         assert_true(image->width == 3 && image->height == 2 && image->channels == 3);
         for (int i = 0; i < 18; i++) {
@@ -48,7 +50,7 @@ static void bytes_become_linear(void **state) {
     static const unsigned char grey[6] = {0, 50, 100, 150, 200, 255};
     write_png("grey.png", PNG_FORMAT_GRAY, grey);
     struct image_case c;
-    const struct image *image;
+    struct image *image;
     assert_int_equal(load_image_load(&c, "grey.png", false, &image), SATIN_OK);
     assert_int_equal(image->channels, 1);
     for (int i = 0; i < 6; i++)
@@ -65,7 +67,7 @@ static void floats_must_be_possible_for_light(void **state) {
     memcpy(file + header, texel, sizeof texel);
     scene_case_bytes("a.pfm", file, header + sizeof texel);
     struct image_case c;
-    const struct image *image;
+    struct image *image;
     assert_int_equal(load_image_load(&c, "a.pfm", false, &image), SATIN_OK);
     const float expected[6] = {0.0f, 0.0f, 0.25f, 0.5f, 0.0f, 7.0f};
     for (int i = 0; i < 6; i++) assert_float_equal(image->texel[i], expected[i], 0.0f);
@@ -77,7 +79,7 @@ static void floats_must_be_possible_for_light(void **state) {
 
 static void load_image_refuse(const char *path, const char *message) {
     struct image_case c;
-    const struct image *image = NULL;
+    struct image *image = NULL;
     assert_int_equal(load_image_load(&c, path, false, &image), SATIN_ERROR_INPUT);
     assert_null(image);
     assert_int_equal(c.log.errors, 1);
@@ -117,11 +119,102 @@ static void wrong_image_files_are_refused(void **state) {
                       "scene.xml:3:7: cannot read image 'wrong.png': the PNG is damaged: IDAT");
 }
 
+// An image of random texels, alone in the arena.
+static struct image *random_image(struct arena *arena, int width, int height, int channels) {
+    const size_t count = (size_t)width * (size_t)height * (size_t)channels;
+    float *texel = arena_array_alone(arena, count, sizeof *texel);
+    struct image *image = arena_alloc(arena, sizeof *image);
+    assert_true(texel && image);
+    struct rng rng = rng_make(1, RNG_TEST, (uint64_t)count);
+    for (size_t i = 0; i < count; i++) texel[i] = rng_float(&rng);
+    *image = scene_image_make(width, height, channels, texel);
+    return image;
+}
+
+static double texel_mean(const struct image *image) {
+    const size_t count = (size_t)image->width * (size_t)image->height * (size_t)image->channels;
+    double sum = 0.0;
+    for (size_t i = 0; i < count; i++) sum += (double)image->texel[i];
+    return sum / (double)count;
+}
+
+static float wide_lookup(const struct image *image, const struct image *level, int levels) {
+    struct texture texture = {.kind = TEXTURE_BITMAP,
+                              .to_uv = {1, 0, 0, 0, 1, 0},
+                              .image = image,
+                              .level = level,
+                              .levels = levels,
+                              .filtered = true,
+                              .unit = 1.0f};
+    struct texture_lookup at = scene_texture_at((vec2){0.3f, 0.6f});
+    at.width = 0.1f;
+    return scene_texture_eval(&texture, &at).r;
+}
+
+// The largest images become coarser until all fit: their means stay, and so do lookups that are
+// wider than their texels.
+static void images_become_coarser(void **state) {
+    (void)state;
+    struct scene_case log;
+    const struct log to = scene_case_begin(&log);
+    struct arena arena = {0};
+    // What is left is half of 20 kB; the images take 64, 12 and 9 kB and a little.
+    struct load_images images = {.arena = &arena, .memory = PROCESS_BYTES + 20e3};
+    struct image *large = random_image(&arena, 64, 64, 3), *raw = random_image(&arena, 32, 32, 3),
+                 *odd = random_image(&arena, 45, 51, 1), *level;
+    const double mean[] = {texel_mean(large), texel_mean(raw), texel_mean(odd)};
+    int levels;
+    assert_true(load_image_levels(&arena, large, &level, &levels));
+    const float before = wide_lookup(large, level, levels);
+    const size_t bytes = arena.bytes;
+    assert_true(load_images_keep(&images, large, level, levels));
+    assert_true(large->width == 16 && level[0].width == 8 && level[levels - 1].width == 1);
+    assert_true(load_images_keep(&images, raw, NULL, 0));
+    assert_true(load_images_keep(&images, odd, NULL, 0));
+    assert_true(large->width == 16 && large->height == 16 && raw->width == 16);
+    assert_true(odd->width == 22 && odd->height == 25);
+    assert_float_equal(texel_mean(large), mean[0], 1e-6);
+    assert_float_equal(texel_mean(raw), mean[1], 1e-6);
+    assert_float_equal(texel_mean(odd), mean[2], 1e-6);
+    assert_float_equal(wide_lookup(large, level, levels), before, 1e-6f);
+    assert_true(arena.bytes < bytes - 60000);
+    struct scene_images what;
+    load_images_end(&images, to, &what);
+    assert_true(what.bytes <= 10e3 && what.full > 80e3 && !what.module);
+    assert_int_equal(log.warnings, 1);
+    assert_string_equal(log.warning,
+                        "option memory: 3 of 3 images are coarser, in 0.00936 of 0.087 MB");
+    arena_free(&arena);
+}
+
+// An image that is much larger than what may be kept is not read.
+static void large_images_are_refused(void **state) {
+    (void)state;
+    struct image_case c = {.hash = 1};
+    static unsigned char grey[1600 * 1600];
+    png_image png = {
+        .version = PNG_IMAGE_VERSION, .width = 1600, .height = 1600, .format = PNG_FORMAT_GRAY};
+    assert_true(png_image_write_to_file(&png, "large.png", 0, grey, 0, NULL));
+    struct load_source source = {
+        scene_case_begin(&c.log), {"scene.xml", 3, 7}, &c.arena, "large.png", &c.hash};
+    struct load_images images = {.arena = &c.arena, .memory = 39e6};
+    struct image *image = NULL;
+    assert_int_equal(load_image(&source, &images, false, &image), SATIN_ERROR_INPUT);
+    assert_string_equal(c.log.error,
+                        "scene.xml:3:7: option memory: image 'large.png' of 1600 x "
+                        "1600 pixels needs 39M while it is read");
+    images.memory = 39.0 * (1 << 20);
+    assert_int_equal(load_image(&source, &images, false, &image), SATIN_OK);
+    arena_free(&c.arena);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bytes_become_linear),
         cmocka_unit_test(floats_must_be_possible_for_light),
         cmocka_unit_test(wrong_image_files_are_refused),
+        cmocka_unit_test(images_become_coarser),
+        cmocka_unit_test(large_images_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

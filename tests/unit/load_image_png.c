@@ -47,11 +47,12 @@ static void end_png(struct png_file *png) { load_image_png_put_chunk(png, "IEND"
 
 // Loads the file, with no line on standard error.
 static satin_status load_raw(const struct png_file *png, struct scene_case *log,
-                             struct arena *arena, const struct image **image) {
+                             struct arena *arena, struct image **image) {
     scene_case_bytes("a.png", png->byte, png->size);
     *arena = (struct arena){0};
     struct load_source source = {scene_case_begin(log), {"scene.xml", 3, 7}, arena, "a.png", NULL};
-    const satin_status status = load_image(&source, true, image);
+    struct load_images images = {.arena = arena};
+    const satin_status status = load_image(&source, &images, true, image);
     assert_int_equal(log->errors, status != SATIN_OK);
     assert_int_equal(log->warnings, 0);
     return status;
@@ -60,7 +61,7 @@ static satin_status load_raw(const struct png_file *png, struct scene_case *log,
 static void refuse_png(const struct png_file *png, const char *problem) {
     struct scene_case log;
     struct arena arena;
-    const struct image *image = NULL;
+    struct image *image = NULL;
     char message[256];
     assert_int_equal(load_raw(png, &log, &arena, &image), SATIN_ERROR_INPUT);
     snprintf(message, sizeof message, "scene.xml:3:7: cannot read image 'a.png': %s", problem);
@@ -97,7 +98,7 @@ static void every_type_of_png_is_read(void **state) {
         struct png_file png;
         struct scene_case log;
         struct arena arena;
-        const struct image *image;
+        struct image *image;
         begin_png(&png, header);
         if (kinds[i / 2].type == 3) load_image_png_put_chunk(&png, "PLTE", palette, sizeof palette);
         load_image_png_put_pixels(&png, kinds[i / 2].row, kinds[i / 2].size);
@@ -120,7 +121,7 @@ static void interlaced_rows_are_read(void **state) {
     struct png_file png;
     struct scene_case log;
     struct arena arena;
-    const struct image *image;
+    struct image *image;
     begin_png(&png, header);
     load_image_png_put_pixels(&png, rows, sizeof rows);
     end_png(&png);
@@ -216,7 +217,7 @@ static void every_cut_and_every_wrong_byte_is_refused(void **state) {
     for (size_t at = SIGNATURE; at < whole.size; at++) {
         struct scene_case log;
         struct arena arena;
-        const struct image *image = NULL;
+        struct image *image = NULL;
         png = whole;
         png.byte[at] ^= 1;
         assert_int_equal(load_raw(&png, &log, &arena, &image), SATIN_ERROR_INPUT);

@@ -228,7 +228,7 @@ static void bumps_rotate_one_after_another(void **state) {
 static void bumps_and_maps_nest(void **state) {
     (void)state;
     static const float height[4] = {0.0f, 0.25f, 0.0f, 0.25f};
-    const struct image image = {2, 2, 1, height};
+    const struct image image = scene_image_make(2, 2, 1, height);
     const struct texture slope = {
         .kind = TEXTURE_BITMAP, .image = &image, .to_uv = {1, 0, 0, 0, 1}};
     const struct texture tilt = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}};

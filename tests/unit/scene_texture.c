@@ -5,7 +5,7 @@
 #include "mesh_case.h"
 
 static const float scene_texture_texel[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const struct image scene_texture_image = {4, 3, 1, scene_texture_texel};
+static const struct image scene_texture_image = {4, 3, 1, scene_texture_texel, 3.46410162f};
 
 static struct texture scene_texture_bitmap(enum texture_wrap wrap, bool nearest) {
     return (struct texture){.kind = TEXTURE_BITMAP,
@@ -156,7 +156,7 @@ static void gradients_agree_with_differences(void **state) {
 static void textures_have_three_channels_or_one_value(void **state) {
     (void)state;
     static const float color[6] = {1, 2, 3, 4, 5, 6};
-    const struct image two = {2, 1, 3, color};
+    const struct image two = scene_image_make(2, 1, 3, color);
     struct texture t = scene_texture_bitmap(TEXTURE_CLAMP, false);
     t.image = &two;
     rgb c = eval(&t, (vec2){0.5f, 0.5f});
@@ -201,12 +201,14 @@ static void wide_footprints_are_averaged(void **state) {
     struct rng rng = rng_make(2, RNG_TEST, 0);
     double mean = 0.0;
     for (int i = 0; i < W * H; i++) mean += (double)(texels[i] = rng_float(&rng)) / (W * H);
-    const struct image odd = {W, H, 1, texels};
+    const struct image odd = scene_image_make(W, H, 1, texels);
     struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, false);
     struct arena arena = {0};
     t.image = &odd;
-    assert_true(load_image_levels(&arena, &odd, &t.level, &t.levels));
-    t.texels = sqrtf(W * H);
+    struct image *level;
+    assert_true(load_image_levels(&arena, &odd, &level, &t.levels));
+    t.level = level;
+    t.unit = 1.0f;
     assert_int_equal(t.levels, 3);
     assert_true(t.level[0].width == 6 && t.level[0].height == 3);
     assert_true(t.level[2].width == 1 && t.level[2].height == 1);
@@ -218,15 +220,15 @@ static void wide_footprints_are_averaged(void **state) {
     }
     struct texture_lookup at = scene_texture_at((vec2){0.5f / 6, 0.5f / 3});
     float sharp = scene_texture_eval(&t, &at).r;
-    at.width = 1.0f / t.texels;
+    at.width = 1.0f / odd.side;
     assert_true(scene_texture_eval(&t, &at).r == sharp);
-    at.width = 2.0f / t.texels;
+    at.width = 2.0f / odd.side;
     assert_float_equal(scene_texture_eval(&t, &at).r, t.level[0].texel[0], 1e-6f);
     at.width = INFINITY;
     assert_float_equal(scene_texture_eval(&t, &at).r, mean, 1e-6);
-    at.width = 2.0f / t.texels * sqrtf(2.0f);  // halfway between two copies
+    at.width = 2.0f / odd.side * sqrtf(2.0f);  // halfway between two copies
     float half = scene_texture_eval(&t, &at).r;
-    at.width = 4.0f / t.texels;
+    at.width = 4.0f / odd.side;
     assert_float_equal(half, 0.5f * (t.level[0].texel[0] + scene_texture_eval(&t, &at).r), 1e-5f);
     arena_free(&arena);
 }
