@@ -14,6 +14,7 @@
 #include <mpi.h>
 #include <pthread.h>
 #include <sched.h>
+#include <semaphore.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -33,14 +34,19 @@ struct mpi_process {
     cpu_set_t cores;  // on which it may run
 };
 
+// In memory of all ranks of a machine.
+struct mpi_machine {
+    atomic_bool explained;  // whether one of them has said why all end
+    sem_t ended;            // not 0 when one of those that work has ended
+};
+
 struct mpi_state {
     satin_ranks ranks;  // those that work
     MPI_Comm comm;
     MPI_Win counters;
     int own, count;               // of all ranks
     struct mpi_process *process;  // by rank, of all
-    atomic_bool *explained;       // in memory of all ranks of this machine: whether one of them has
-                                  // said why all end
+    struct mpi_machine *machine;  // the one of this rank
     pthread_t watcher;
     pthread_mutex_t mutex;  // of `ending`
     pthread_cond_t end;
@@ -137,7 +143,7 @@ static void *watch_ranks(void *arg) {
         if (!state->ending) ended = find_ended(state, false);
     }
     if (!state->ending) {
-        if (!atomic_exchange(state->explained, true)) report_ended(state, ended);
+        if (!atomic_exchange(&state->machine->explained, true)) report_ended(state, ended);
         wait_watching(state, LAST_SECONDS);
         if (!state->ending) _exit(APP_FAILED);
     }
@@ -226,31 +232,40 @@ static bool exchange_processes(struct mpi_state *state) {
     return true;
 }
 
-// Waits until the first rank ends with its status, and ends with it.
-static void wait_for_others(void) {
+// Waits until the first rank ends with its status, and ends with it. A rank that looked for that
+// itself would take time from those that work, so it mostly waits for one of its machine.
+static void wait_for_others(struct mpi_machine *machine) {
     MPI_Request request;
     int status = APP_FAILED, done = 0;
     const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) signal(signals[i], SIG_IGN);
     MPI_Ibcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
-    while (MPI_Test(&request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && !done) usleep(5000);
+    while (MPI_Test(&request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && !done) {
+        const struct timespec until = {.tv_sec = time(NULL) + 2};
+        if (sem_timedwait(&machine->ended, &until) != 0) continue;
+        sem_post(&machine->ended);
+        usleep(1000);
+    }
     MPI_Finalize();
     exit(status);
 }
 
-// Sets `explained`.
-static void explained_make(struct mpi_state *state) {
+// Sets `machine`.
+static void machine_make(struct mpi_state *state) {
     MPI_Comm machine;
     MPI_Win window;
-    MPI_Aint size = sizeof *state->explained;
+    MPI_Aint size = sizeof *state->machine;
     int unit, rank;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, state->own, MPI_INFO_NULL, &machine);
     MPI_Comm_rank(machine, &rank);
     // Left to MPI, as the counters.
-    MPI_Win_allocate_shared(rank == 0 ? size : 0, 1, MPI_INFO_NULL, machine, &state->explained,
+    MPI_Win_allocate_shared(rank == 0 ? size : 0, 1, MPI_INFO_NULL, machine, &state->machine,
                             &window);
-    MPI_Win_shared_query(window, 0, &size, &unit, &state->explained);
-    if (rank == 0) atomic_init(state->explained, false);
+    MPI_Win_shared_query(window, 0, &size, &unit, &state->machine);
+    if (rank == 0) {
+        atomic_init(&state->machine->explained, false);
+        sem_init(&state->machine->ended, 1, 0);
+    }
     MPI_Barrier(machine);
     MPI_Comm_free(&machine);
 }
@@ -266,7 +281,7 @@ static void divide_ranks(struct mpi_state *state) {
                 "satin: warning: %d of %d ranks wait: their machines have no core for them\n",
                 waiting, state->count);
     MPI_Comm_split(MPI_COMM_WORLD, spare ? MPI_UNDEFINED : 0, state->own, &state->comm);
-    if (spare) wait_for_others();
+    if (spare) wait_for_others(state->machine);
     MPI_Comm_rank(state->comm, &state->ranks.rank);
     MPI_Comm_size(state->comm, &state->ranks.count);
 }
@@ -290,7 +305,7 @@ static const satin_ranks *mpi_begin(const char **problem) {
         *problem = "there is not enough memory";
         return NULL;
     }
-    explained_make(state);
+    machine_make(state);
     divide_ranks(state);
     uint64_t *counter = NULL;
     const MPI_Aint own = state->ranks.rank == 0 ? SATIN_RANKS_COUNTERS * sizeof *counter : 0;
@@ -309,6 +324,7 @@ static void mpi_end(int status) {
     struct mpi_state *state = mpi_state_get();
     MPI_Request request;
     end_watch(state);
+    sem_post(&state->machine->ended);
     // All ranks are still there, unless one that waited was killed; mpirun has then cancelled the
     // render.
     const int ended =
@@ -321,7 +337,7 @@ static void mpi_end(int status) {
 }
 
 static void mpi_abort(int status) {
-    atomic_store(mpi_state_get()->explained, true);
+    atomic_store(&mpi_state_get()->machine->explained, true);
     MPI_Abort(MPI_COMM_WORLD, status);
 }
 
