@@ -21,27 +21,35 @@ static const float SMOOTH = 0.1f;
 
 struct rims {
     struct render *r;
+    float *emission;  // luminance of each pixel's samples
     uint32_t *pixel;  // y * width + x
     uint32_t *found;  // number of such pixels in each row
     size_t count;
 };
 
-static float emission_at(const struct render_image *image, int x, int y) {
-    const struct image_pixel *p = &image->pixel[(size_t)y * (size_t)image->width + (size_t)x];
-    return p->samples ? rgb_luminance(p->layer[SHADE_EMISSION]) / (float)p->samples : 0.0f;
+static void read_emission(void *ctx, size_t begin, size_t end, int worker) {
+    const struct rims *rims = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const struct image_pixel *p = &rims->r->image->pixel[i];
+        rims->emission[i] =
+            p->samples ? rgb_luminance(p->layer[SHADE_EMISSION]) / (float)p->samples : 0.0f;
+    }
 }
 
 // Whether emission varies between the pixel and those up to `radius` away, that is within the
 // filter: the few samples of its tail may all miss a lamp that the pixel sees, or hit it by chance.
-static bool on_rim(const struct render_image *image, int x, int y, int radius) {
+static bool on_rim(const struct rims *rims, int x, int y, int radius) {
+    const struct render_image *image = rims->r->image;
+    const int left = x > radius ? x - radius : 0, top = y > radius ? y - radius : 0;
     float least = INFINITY, most = 0.0f;
-    for (int v = y - radius; v <= y + radius; v++)
-        for (int u = x - radius; u <= x + radius; u++) {
-            if (u < 0 || v < 0 || u >= image->width || v >= image->height) continue;
-            const float e = emission_at(image, u, v);
-            least = fminf(least, e);
-            most = fmaxf(most, e);
+    for (int v = top; v <= y + radius && v < image->height; v++) {
+        const float *row = rims->emission + (size_t)v * (size_t)image->width;
+        for (int u = left; u <= x + radius && u < image->width; u++) {
+            least = row[u] < least ? row[u] : least;
+            most = row[u] > most ? row[u] : most;
         }
+    }
     return most - least > SMOOTH * most;
 }
 
@@ -63,7 +71,7 @@ static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t y = begin; y < end; y++)
         for (size_t at = y * width; at < (y + 1) * width; at++)
             if (!(image->pixel[at].rim_weight > 0.0f) &&
-                (on_rim(image, (int)(at - y * width), (int)y, radius) ||
+                (on_rim(rims, (int)(at - y * width), (int)y, radius) ||
                  copies_emission(image, (int)(at - y * width), (int)y)))
                 rims->pixel[y * width + rims->found[y]++] = (uint32_t)at;
 }
@@ -71,6 +79,7 @@ static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
 static void find_rims(struct rims *rims) {
     const struct render_image *image = rims->r->image;
     const size_t width = (size_t)image->width, height = (size_t)image->height;
+    parallel_for_all(rims->r->pool, width * height, CHUNK_ROWS * width, read_emission, rims);
     parallel_for_all(rims->r->pool, height, CHUNK_ROWS, search_rows, rims);
     for (size_t y = 0; y < height; y++) {
         memmove(rims->pixel + rims->count, rims->pixel + y * width,
@@ -124,9 +133,11 @@ satin_status render_rims(struct render *r, bool late, bool *whole) {
     struct render_image *image = r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     parallel_begin_part(r->pool, "rims");
+    rims.emission = array_new_unset(pixels, sizeof *rims.emission);
     rims.pixel = array_new_unset(pixels, sizeof *rims.pixel);
     rims.found = array_new((size_t)image->height, sizeof *rims.found);
-    if (!rims.pixel || !rims.found) {
+    if (!rims.emission || !rims.pixel || !rims.found) {
+        free(rims.emission);
         free(rims.pixel);
         free(rims.found);
         return SATIN_ERROR_MEMORY;
@@ -138,6 +149,7 @@ satin_status render_rims(struct render *r, bool late, bool *whole) {
     *whole =
         parallel_for_results(r->pool, rims.count, RIMS_CHUNK, trace_rims, &rims, &rims_results);
     stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
+    free(rims.emission);
     free(rims.pixel);
     free(rims.found);
     return SATIN_OK;
