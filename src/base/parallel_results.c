@@ -205,19 +205,23 @@ static satin_status exchange_results(const struct results_loop *loop) {
     struct parallel_division *division = &loop->pool->division;
     const struct satin_ranks *ranks = division->ranks;
     const double start = stats_wall();
-    struct bytes own = {0}, other = {0};
+    struct bytes own = {0}, other[2] = {{0}, {0}};
     pack_own(loop, &own);
     satin_status status = own.failed ? SATIN_ERROR_MEMORY : SATIN_OK;
-    for (int root = 0; root < ranks->count && status == SATIN_OK; root++) {
-        const bool is_own = root == ranks->rank;
-        status = broadcast_bytes(ranks, root, is_own ? &own : &other);
-        division->traffic.bytes += (double)(is_own ? own.count : other.count);
-        if (status == SATIN_OK && !is_own) status = parallel_unpack_chunks(loop, &other);
+    // What a rank has received it reads when the next one has sent, so that all read at once.
+    for (int root = 0; root <= ranks->count && status == SATIN_OK; root++) {
+        struct bytes *now = root == ranks->rank ? &own : &other[root % 2];
+        if (root < ranks->count) {
+            status = broadcast_bytes(ranks, root, now);
+            division->traffic.bytes += (double)now->count;
+        }
+        if (status == SATIN_OK && root > 0 && root - 1 != ranks->rank)
+            status = parallel_unpack_chunks(loop, &other[(root - 1) % 2]);
     }
     division->traffic.loops += 1.0;
     division->traffic.seconds += stats_wall() - start;
     bytes_free(&own);
-    bytes_free(&other);
+    for (int i = 0; i < 2; i++) bytes_free(&other[i]);
     return status;
 }
 

@@ -80,13 +80,15 @@ static void add_member(struct batch *b, const struct fill_site *site) {
 // Selects the next members from the waiting sites. Covered sites are dropped; those too close to a
 // member are moved to the front of the remaining ones. False if cancelled.
 static bool choose_batch(struct batch *b) {
+    const struct parallel_results tests = {.slot = {{b->covered, sizeof *b->covered}}};
     const size_t start = b->next;
     size_t kept = 0, i = start;
     b->count = 0;
     while (i < b->last && b->count < b->size) {
         const size_t n = b->last - i < TESTED_MOST ? b->last - i : TESTED_MOST;
         b->tested = b->waiting + i;
-        if (!parallel_for(b->making.fill->pool, n, 64, test_coverage, b)) return false;
+        if (!parallel_for_results(b->making.fill->pool, n, 64, test_coverage, b, &tests))
+            return false;
         for (size_t j = 0; j < n && b->count < b->size; j++, i++) {
             const struct fill_site *site = b->waiting[i];
             if (b->covered[j]) continue;

@@ -6,15 +6,17 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/bytes.h"
 #include "base/median_split.h"
 #include "guide/guide_clusters.h"
 
 enum {
     LEAF = 32,  // largest number of photons of a leaf
     BINS = 16,  // positions along an axis at which a node may be split
-    // Work of one thread: numbers of photons and of leaves. Larger nodes are split depth by depth,
-    // with all nodes of a depth at once.
+    // Work of one thread: the least number of photons and of runs, and a number of leaves. Larger
+    // nodes are split depth by depth, with all nodes of a depth at once.
     RUN_PHOTONS = 2048,
+    RUNS = 64,
     TASK_LEAVES = 128,
     FEW_RUNS = 2,  // up to so many runs are split by all threads together, more by one thread each
     CLUSTER_CHUNK = 4096
@@ -108,13 +110,44 @@ static void make_leaves_of_runs(void *ctx, size_t begin, size_t end, int worker)
         run->leaves = make_leaves(b->photon, b->point + run->begin, run->count, run->leaf);
 }
 
+// The leaves of runs as bytes, with the order of their photons.
+static void pack_runs(void *ctx, size_t begin, size_t end, struct bytes *out) {
+    const struct tree_building *b = ctx;
+    for (const struct leaf_run *run = b->run + begin; run < b->run + end; run++) {
+        bytes_put_u64(out, run->leaves);
+        bytes_put(out, run->leaf, run->leaves * sizeof *run->leaf);
+        for (size_t i = run->begin; i < run->begin + run->count; i++)
+            bytes_put(out, &b->point[i].item, sizeof b->point[i].item);
+    }
+}
+
+static bool unpack_runs(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+    const struct tree_building *b = ctx;
+    for (struct leaf_run *run = b->run + begin; run < b->run + end; run++) {
+        const uint64_t leaves = bytes_get_u64(in);
+        if (leaves > 2 * run->count / LEAF + 1) return false;
+        run->leaves = (size_t)leaves;
+        bytes_get(in, run->leaf, run->leaves * sizeof *run->leaf);
+        struct split_point *point = b->point + run->begin;
+        for (size_t i = 0; i < run->leaves; point += run->leaf[i++].count)
+            run->leaf[i].point = point;
+        for (size_t i = run->begin; i < run->begin + run->count; i++) {
+            bytes_get(in, &b->point[i].item, sizeof b->point[i].item);
+            b->point[i].p = b->photon[b->point[i].item].p;
+        }
+    }
+    return true;
+}
+
+static const struct parallel_results runs_results = {.pack = pack_runs, .unpack = unpack_runs};
+
 // make_leaves of all photons, on all threads. `b->leaf` has space for 2 count / LEAF + 1, and
 // `b->run` for 2 count / RUN_PHOTONS + 1. Returns 0 if the pool was cancelled.
 static size_t make_all_leaves(struct tree_building *b, size_t count, struct parallel *pool) {
     size_t runs = 1, leaves = 0;
     b->run[0] = (struct leaf_run){.count = count};
     bool whole = parallel_for(pool, count, CLUSTER_CHUNK, set_points, b);
-    for (; whole && b->run[runs - 1].count > RUN_PHOTONS; runs *= 2) {  // the first is the largest
+    for (; whole && runs < RUNS && b->run[runs - 1].count > RUN_PHOTONS; runs *= 2) {
         whole = split_all_runs(b, runs, pool);
         for (size_t i = runs; i-- > 0;) {
             const struct leaf_run run = b->run[i];
@@ -125,7 +158,8 @@ static size_t make_all_leaves(struct tree_building *b, size_t count, struct para
         }
     }
     for (size_t i = 0; i < runs; i++) b->run[i].leaf = b->leaf + 2 * b->run[i].begin / LEAF;
-    if (!whole || !parallel_for(pool, runs, 1, make_leaves_of_runs, b)) return 0;
+    if (!whole || !parallel_for_results(pool, runs, 1, make_leaves_of_runs, b, &runs_results))
+        return 0;
     for (size_t i = 0; i < runs; i++) {
         memmove(b->leaf + leaves, b->run[i].leaf, b->run[i].leaves * sizeof *b->leaf);
         leaves += b->run[i].leaves;

@@ -22,6 +22,8 @@
 
 extern "C" {
 #include "base/array.h"
+#include "base/bytes.h"
+#include "base/parallel.h"
 #include "photon/photon_index_tree.h"
 #include "photon/photon_morton.h"
 }
@@ -178,6 +180,40 @@ void build_cells(void *ctx, size_t begin, size_t end, int) {
     }
 }
 
+// The trees of cells as bytes.
+void pack_cells(void *ctx, size_t begin, size_t end, struct bytes *out) {
+    const Building &b = *static_cast<Building *>(ctx);
+    out->failed = out->failed || b.failed;
+    for (size_t i = begin; i < end && !out->failed; i++) {
+        const Tree &tree = b.cell[i].tree;
+        bytes_put(out, tree.low, sizeof tree.low);
+        bytes_put(out, tree.high, sizeof tree.high);
+        bytes_put_u64(out, tree.node.size());
+        bytes_put(out, tree.node.data(), tree.node.size() * sizeof(photon_index_node));
+        bytes_put(out, tree.row.data(), tree.row.size() * sizeof(int));
+    }
+}
+
+bool unpack_cells(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+    Building &b = *static_cast<Building *>(ctx);
+    try {
+        for (size_t i = begin; i < end; i++) {
+            Tree &tree = b.cell[i].tree;
+            bytes_get(in, tree.low, sizeof tree.low);
+            bytes_get(in, tree.high, sizeof tree.high);
+            const uint64_t nodes = bytes_get_u64(in);
+            if (in->failed || nodes > in->left / sizeof(photon_index_node)) return false;
+            tree.node.resize(nodes);
+            tree.row.resize(b.cell[i].end - b.cell[i].begin);
+            bytes_get(in, tree.node.data(), nodes * sizeof(photon_index_node));
+            bytes_get(in, tree.row.data(), tree.row.size() * sizeof(int));
+        }
+    } catch (...) {  // no memory
+        return false;
+    }
+    return true;
+}
+
 // Copies the rows of a leaf of the cell from row `first` on, column by column.
 template <size_t N>
 void copy_leaf(photon_index &index, const float *data, size_t first,
@@ -261,7 +297,11 @@ bool build_arrays(photon_index &index, const float *data, const photon_morton_tr
     Building b = {&index, data, {}, {false}};
     for (size_t i = 0; i < top.count; i++)
         if (top.node[i].column < 0) b.cell.push_back({top.node[i].begin, top.node[i].end, 0, {}});
-    if (!parallel_for(pool, b.cell.size(), 1, build_cells<N>, &b) || b.failed) return false;
+    parallel_results trees{};
+    trees.pack = pack_cells;
+    trees.unpack = unpack_cells;
+    if (!parallel_for_results(pool, b.cell.size(), 1, build_cells<N>, &b, &trees) || b.failed)
+        return false;
     index.nodes = top.count - top.cells;
     for (const Cell &cell : b.cell) index.nodes += cell.tree.node.size();
     index.node = allocate_array<photon_index_node>(index.nodes);
