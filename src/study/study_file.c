@@ -177,16 +177,23 @@ static bool add_scene(struct study_reader *r, const struct toml_node *file,
 }
 
 static bool add_scene_table(struct study_reader *r, const struct toml_node *table) {
-    static const char *const known[] = {"file", "name", "reference", "define", NULL};
+    static const char *const known[] = {"file", "name", "sensor", "reference", "define", NULL};
     if (!study_is(r, table, TOML_TABLE, "a table [[scene]]")) return false;
     if (!study_keys_known(r, table, known)) return false;
     const struct toml_node *file = toml_find(table, "file"), *name = toml_find(table, "name");
+    const struct toml_node *sensor = toml_find(table, "sensor");
     const struct toml_node *reference = toml_find(table, "reference");
     const struct toml_node *define = toml_find(table, "define");
     if (!file) return toml_wrong(&r->toml, table, "the scene needs a key 'file'");
     if (name && !study_is(r, name, TOML_TEXT, "a text")) return false;
     if (!add_scene(r, file, name)) return false;
     struct study_scene *scene = &r->out->scene[r->out->scenes - 1];
+    if (sensor) {
+        if (sensor->kind != TOML_NUMBER &&
+            !study_is(r, sensor, TOML_TEXT, "a sensor's id or index"))
+            return false;
+        scene->sensor = sensor->text;
+    }
     if (reference) {
         if (!study_is(r, reference, TOML_TEXT, "the name of an image")) return false;
         scene->reference = path_beside(r, reference);

@@ -23,6 +23,7 @@ struct study_settings {
 
 struct study_scene {
     const char *name, *path;
+    const char *sensor;     // its id, or its index from 0; NULL: the first one
     const char *reference;  // path of an image, or NULL: one is rendered
     satin_define *define;
     struct log_place *define_at;  // of each

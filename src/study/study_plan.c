@@ -25,16 +25,21 @@ satin_status study_plan_no_memory(struct log log) {
 
 // ---- Renders ------------------------------------------------------------------------------------
 
-// The arguments: the scene, its definitions, and the settings, as flags where there are some.
+// The arguments: the scene, its sensor, its definitions, and the settings, as flags where there are
+// some.
 static const char *const *make_arguments(struct planner *p, const struct study_combined *set) {
     static const char *const flags[] = {"quality", "integrator", "first-pass", "spp",  "width",
                                         "height",  "seed",       "threads",    "time", NULL};
     struct arena *arena = &p->plan->study.arena;
     const struct study_scene *scene = &p->plan->study.scene[p->at];
-    const char **out = arena_array(arena, 2 + 2 * (scene->defines + set->count), sizeof *out);
+    const char **out = arena_array(arena, 4 + 2 * (scene->defines + set->count), sizeof *out);
     size_t n = 0;
     if (!out) return NULL;
     out[n++] = scene->path;
+    if (scene->sensor) {
+        out[n++] = "--sensor";
+        out[n++] = scene->sensor;
+    }
     for (size_t i = 0; i < scene->defines + set->count; i++) {
         const bool define = i < scene->defines;
         const struct study_setting *s = define ? NULL : &set->setting[i - scene->defines];
@@ -231,4 +236,19 @@ void study_plan_free(struct study_plan *plan) {
     free(plan->render);
     study_file_free(&plan->study);
     *plan = (struct study_plan){0};
+}
+
+// Removes the entries of a scene from an array that has `each` of every scene.
+static void remove_entries(size_t *array, size_t scenes, size_t scene, size_t each) {
+    memmove(array + scene * each, array + (scene + 1) * each,
+            (scenes - scene - 1) * each * sizeof *array);
+}
+
+void study_plan_leave_scene(struct study_plan *plan, size_t scene) {
+    struct study *s = &plan->study;
+    remove_entries(plan->reference, s->scenes, scene, s->reference_pieces);
+    remove_entries(plan->image, s->scenes, scene, s->points * s->seeds);
+    remove_entries(plan->first_pass, s->scenes, scene, s->points * s->seeds);
+    memmove(s->scene + scene, s->scene + scene + 1, (s->scenes - scene - 1) * sizeof *s->scene);
+    s->scenes--;
 }

@@ -65,6 +65,8 @@ struct study_plan {
 satin_status study_plan_make(struct log log, const struct study_request *request,
                              struct study_plan *out);
 void study_plan_free(struct study_plan *plan);
+// Leaves a scene out, of which nothing can be compared.
+void study_plan_leave_scene(struct study_plan *plan, size_t scene);
 
 // ---- study_access.c
 

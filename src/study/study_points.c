@@ -102,8 +102,10 @@ satin_status study_plan_read_scene(struct planner *p, size_t at) {
     satin_scene_free(p->scene);
     p->scene = NULL;
     p->at = at;
+    const satin_scene_request request = {
+        .defines = scene->define, .define_count = scene->defines, .sensor = scene->sensor};
     const satin_status status =
-        satin_scene_load(scene->path, scene->define, scene->defines, log_load, p, &p->scene);
+        satin_scene_load_request(scene->path, &request, log_load, p, &p->scene);
     if (status == SATIN_OK) scene->hash = satin_scene_hash(p->scene);
     return status;
 }

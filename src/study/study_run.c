@@ -123,22 +123,48 @@ static satin_status run_render(struct running *r, struct study_render *render, c
 
 // ---- All renders --------------------------------------------------------------------------------
 
-static satin_status run_references(struct running *r) {
+// Renders the pieces of a scene's reference up to one that fails. *whole: none has.
+static satin_status run_reference(struct running *r, size_t scene, bool *whole) {
     const struct study *s = &r->plan->study;
     satin_status status = SATIN_OK;
-    for (size_t i = 0; i < s->scenes; i++)
-        for (size_t k = 0; k < s->reference_pieces && !s->scene[i].reference; k++) {
-            char label[256];
-            snprintf(label, sizeof label, "%s, reference, piece %zu of %zu", s->scene[i].name,
-                     k + 1, s->reference_pieces);
-            struct study_render *render =
-                &r->plan->render[r->plan->reference[i * s->reference_pieces + k]];
-            if (status == SATIN_OK) status = run_render(r, render, label);
-            if (status == SATIN_OK && (render->result.status != 0 || render->result.signal != 0))
-                status = log_fail(r->log, SATIN_ERROR_INTERNAL,
-                                  "%s: its reference could not be rendered", s->scene[i].name);
-        }
+    *whole = true;
+    for (size_t k = 0; k < s->reference_pieces && *whole && status == SATIN_OK; k++) {
+        char label[256];
+        snprintf(label, sizeof label, "%s, reference, piece %zu of %zu", s->scene[scene].name,
+                 k + 1, s->reference_pieces);
+        struct study_render *render =
+            &r->plan->render[r->plan->reference[scene * s->reference_pieces + k]];
+        status = run_render(r, render, label);
+        *whole = render->result.status == 0 && render->result.signal == 0;
+    }
     return status;
+}
+
+// Leaves a scene out of the study, and its renders, which have another index of it if others were
+// left out before, out of their number.
+static void leave_scene(struct running *r, size_t scene, size_t of_renders) {
+    for (size_t i = 0; i < r->plan->renders; i++)
+        r->total -= r->plan->render[i].scene == of_renders && !r->plan->render[i].result.done;
+    study_plan_leave_scene(r->plan, scene);
+}
+
+// Renders the references. A scene whose reference fails is left out, as nothing can be compared
+// with it; SATIN_ERROR_INTERNAL, logged, if no scene remains.
+static satin_status run_references(struct running *r) {
+    const struct study *s = &r->plan->study;
+    for (size_t i = 0, scene = 0; i < s->scenes; scene++) {
+        bool whole = true;
+        const satin_status status = s->scene[i].reference ? SATIN_OK : run_reference(r, i, &whole);
+        if (status != SATIN_OK) return status;
+        if (whole) {
+            i++;
+            continue;
+        }
+        log_message(r->log, SATIN_LOG_ERROR, "%s: its reference could not be rendered%s",
+                    s->scene[i].name, s->scenes > 1 ? "; the scene is left out" : "");
+        leave_scene(r, i, scene);
+    }
+    return s->scenes > 0 ? SATIN_OK : SATIN_ERROR_INTERNAL;
 }
 
 static satin_status run_point(struct running *r, size_t scene, size_t point, size_t seed) {
