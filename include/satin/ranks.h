@@ -34,6 +34,11 @@ typedef struct satin_ranks {
     uint64_t (*fetch_add)(void *user, int counter, uint64_t add);
     // Sets a counter to 0. Called by rank 0 while no rank uses the counter.
     void (*reset)(void *user, int counter);
+    // Waits for all ranks: true when all have called it, false after a moment if they have not, and
+    // then this rank calls it again. Meanwhile satin asks whether the render is cancelled, and
+    // keeps what there is in the checkpoint, as a rank may have been killed. NULL: `any` waits
+    // alone.
+    bool (*here)(void *user);
 } satin_ranks;
 
 #ifdef __cplusplus

@@ -47,6 +47,9 @@ struct mpi_state {
     int own, count;               // of all ranks
     struct mpi_process *process;  // by rank, of all
     struct mpi_machine *machine;  // the one of this rank
+    MPI_Request barrier;          // of ranks that wait for each other
+    double wait_start;
+    bool waiting;
     pthread_t watcher;
     pthread_mutex_t mutex;  // of `ending`
     pthread_cond_t end;
@@ -172,26 +175,33 @@ static void end_watch(struct mpi_state *state) {
 
 // ---- Communication ------------------------------------------------------------------------------
 
-// Waits until all ranks are here, which takes less of a core than MPI's own waiting.
-static void meet_ranks(const struct mpi_state *state) {
+// Waiting takes less of a core than MPI's own.
+static bool mpi_here(void *user) {
     static const double PATIENCE_SECONDS = 0.05;
-    MPI_Request request;
+    struct mpi_state *state = user;
     int done = 0;
-    const double start = MPI_Wtime();
-    MPI_Ibarrier(state->comm, &request);
-    for (;;) {
-        MPI_Test(&request, &done, MPI_STATUS_IGNORE);
-        if (done) return;
-        if (MPI_Wtime() - start > PATIENCE_SECONDS)
-            usleep(100);
-        else
-            sched_yield();
+    if (!state->waiting) {
+        MPI_Ibarrier(state->comm, &state->barrier);
+        state->wait_start = MPI_Wtime();
+        state->waiting = true;
     }
+    MPI_Test(&state->barrier, &done, MPI_STATUS_IGNORE);
+    state->waiting = !done;
+    if (done) return true;
+    if (MPI_Wtime() - state->wait_start > PATIENCE_SECONDS)
+        usleep(100);
+    else
+        sched_yield();
+    return false;
+}
+
+static void meet_ranks(struct mpi_state *state) {
+    while (!mpi_here(state)) continue;
 }
 
 static void mpi_broadcast(void *user, int root, void *data, size_t size) {
     enum { MESSAGE_MOST = 1 << 30 };  // counts of MPI are int
-    const struct mpi_state *state = user;
+    struct mpi_state *state = user;
     char *at = data;
     meet_ranks(state);
     for (; size > 0; size -= size < MESSAGE_MOST ? size : MESSAGE_MOST) {
@@ -202,7 +212,7 @@ static void mpi_broadcast(void *user, int root, void *data, size_t size) {
 }
 
 static bool mpi_any(void *user, bool value) {
-    const struct mpi_state *state = user;
+    struct mpi_state *state = user;
     int own = value, all = 0;
     meet_ranks(state);
     MPI_Allreduce(&own, &all, 1, MPI_INT, MPI_LOR, state->comm);
@@ -297,6 +307,7 @@ static const satin_ranks *mpi_begin(const char **problem) {
     state->ranks = (satin_ranks){.user = state,
                                  .broadcast = mpi_broadcast,
                                  .any = mpi_any,
+                                 .here = mpi_here,
                                  .fetch_add = mpi_fetch_add,
                                  .reset = mpi_reset};
     MPI_Comm_rank(MPI_COMM_WORLD, &state->own);
@@ -325,10 +336,8 @@ static void mpi_end(int status) {
     MPI_Request request;
     end_watch(state);
     sem_post(&state->machine->ended);
-    // All ranks are still there, unless one that waited was killed; mpirun has then cancelled the
-    // render.
-    const int ended =
-        status == APP_CANCELLED && state->own == 0 ? find_ended(state, true) : state->count;
+    // All ranks are still there, unless one that waited was killed.
+    const int ended = state->own == 0 ? find_ended(state, true) : state->count;
     if (ended < state->count) report_ended(state, ended);
     MPI_Ibcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
     MPI_Wait(&request, MPI_STATUS_IGNORE);

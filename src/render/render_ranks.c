@@ -12,14 +12,24 @@ bool render_is_first(const struct render *r) {
     return !r->callbacks.ranks || r->callbacks.ranks->rank == 0;
 }
 
+// Waits for the others, of which one may have been killed: if that or a caller cancels the render,
+// the checkpoint gets what this rank has.
+static void wait_for_ranks(struct render *r) {
+    const satin_ranks *ranks = r->callbacks.ranks;
+    if (render_cancelled(r)) render_checkpoint_interrupt(r);
+    while (ranks->here && !ranks->here(ranks->user)) {
+        render_progress_report(r, 1.0);
+        if (render_cancelled(r)) render_checkpoint_interrupt(r);
+    }
+}
+
 // For the pool: whether a loop was stopped on any rank. If that was because a caller has cancelled,
 // the render is cancelled on all ranks.
 static bool stopped_anywhere(void *user, bool stopped) {
     struct render *r = user;
     const satin_ranks *ranks = r->callbacks.ranks;
-    // Before the others are waited for, of which one may have been killed.
-    if (render_cancelled(r)) render_checkpoint_interrupt(r);
-    if (!ranks->any(ranks->user, stopped)) return false;
+    wait_for_ranks(r);
+    if (!ranks->any(ranks->user, stopped || render_cancelled(r))) return false;
     const bool cancelled = ranks->any(ranks->user, render_cancelled(r));
     if (cancelled && !render_cancelled(r)) r->progress.cancelled_in = r->progress.stage;
     return true;

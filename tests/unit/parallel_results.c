@@ -148,7 +148,7 @@ static void meet(int ranks, int cancelling, const struct parallel_journal *journ
         *m = (struct member){
             .meeting = &meeting, .threads = 1 + i % 2, .cancels_at = -1, .journal = journal};
         if (i == cancelling) m->cancels_at = 0;
-        m->ranks = (satin_ranks){i, ranks, m, send, any_of, add_to, reset};
+        m->ranks = (satin_ranks){i, ranks, m, send, any_of, add_to, reset, NULL};
         assert_int_equal(pthread_create(&thread[i], NULL, be_a_rank, m), 0);
     }
     for (int i = 0; i < ranks; i++) pthread_join(thread[i], NULL);
