@@ -3,9 +3,9 @@
 #ifndef BASE_PROCESS_H
 #define BASE_PROCESS_H
 
-// Measured: the program with its libraries and small buffers takes 11.5 to 13 MB, and 128 MB more
-// with OpenImageIO, which reads all images but PNG files.
+// Measured: the program with its libraries and small buffers takes 11.5 to 13 MB, and 128 to 134 MB
+// more with OpenImageIO, which reads all images but PNG files.
 #define PROCESS_BYTES 13e6
-#define PROCESS_MODULE_BYTES 130e6
+#define PROCESS_MODULE_BYTES 136e6
 
 #endif

@@ -375,7 +375,7 @@ satin_status satin_scene_load_request(const char *path, const satin_scene_reques
         loader.scene->read = *loader.xml.read;
         *loader.xml.read = (struct fileio_files){0};
     }
-    load_images_end(&loader.images, status == SATIN_OK ? loader.each : (struct log){0},
+    load_images_end(&loader.images, status == SATIN_OK ? warnings.to : (struct log){0},
                     &loader.scene->images);
     load_xml_free(&loader.xml);
     free(loader.shape);

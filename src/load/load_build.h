@@ -31,8 +31,10 @@ struct load_images {
                     // leaves; 0: there is none
     struct load_held *held;  // all of them; owned
     size_t count, capacity;
-    double full;  // what they would take without a limit
-    bool module;  // whether some were read by OpenImageIO
+    double asked;   // bytes of all that were asked for, with copies
+    double needed;  // bytes beside the process with which all could have been read
+    bool module;    // whether some were read by OpenImageIO
+    bool missing;   // whether some were not read, as they do not fit
 };
 
 // Reads the whole file, of at most `max_bytes`, and continues the hash over it. The caller frees
@@ -81,7 +83,7 @@ satin_status load_curves(const struct load_source *source, const struct mat4 *to
 
 // Reads an image by libpng or OpenImageIO to linear floats with 1 or 3 channels, without alpha.
 // Unless `raw`, 8- and 16-bit data that is sRGB or untagged is converted to linear.
-// SATIN_ERROR_INPUT also if it is much larger than what images may take.
+// One that does not fit into the limit is not read but replaced by a small one.
 satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
                         struct image **out);
 // Makes all smaller copies of an image, down to one texel. False if there is no memory.
@@ -89,19 +91,20 @@ bool load_image_levels(struct arena *arena, const struct image *image, struct im
                        int *levels);
 // Sets *out, whose texels are a copy alone in the arena, to one of half the size. False if there is
 // no memory.
-bool load_image_coarser(struct arena *arena, const struct image *from, struct image *out);
+bool load_image_coarser(struct arena *arena, const struct image *from, bool environment,
+                        struct image *out);
 
 // ---- load_image_limit.c: images that become coarser where memory is limited
 
-// What all images may take [bytes]; INFINITY without a limit.
-double load_images_most(const struct load_images *images);
-// The limit of a render in which they may take so much.
-double load_images_limit(const struct load_images *images, double bytes);
+// Finds whether an image of so many values can be read, which before it becomes coarser is in
+// memory at its full size. If not, that is noted, and no render can begin. False if there is no
+// memory.
+bool load_images_admit(struct load_images *images, double values, bool *admitted);
 // Keeps an image with its levels, which stay where they are while it becomes coarser: the largest
 // images are replaced by their copies until all fit. False if there is no memory.
 bool load_images_keep(struct load_images *images, struct image *image, struct image *level,
-                      int levels);
-// Warns if images are coarser, and frees the list.
+                      int levels, bool environment);
+// Warns if images are coarser, unless some are missing, and frees the list.
 void load_images_end(struct load_images *images, struct log log, struct scene_images *out);
 // Converts an sRGB value to linear.
 static inline float load_srgb_to_linear(float x) {

@@ -64,25 +64,9 @@ static satin_status image_error(const struct load_source *source, const char *pr
 // PIXELS_PER_BYTE pixels: no real format compresses better (deflate compresses 8 one-bit pixels by
 // 1032).
 enum { PIXELS_FREE = 1 << 22, PIXELS_PER_BYTE = 10000 };
-static const double SMALL_BYTES = 10e6;
 
-// An image is in memory at its full size, with its copies, before it can become coarser. Small ones
-// are always read: a render that fits has as much for other things, and one that does not is
-// refused with the memory for all.
-static satin_status check_memory(const struct load_source *source, const struct load_images *images,
-                                 const struct opened_image *opened) {
-    const double bytes =
-        4.0 / 3.0 * sizeof(float) * opened->width * opened->height * opened->channels;
-    if (bytes <= fmax(load_images_most(images), SMALL_BYTES)) return SATIN_OK;
-    log_error_at(source->log, source->place,
-                 "option memory: image '%s' of %d x %d pixels needs %.0fM while it is read",
-                 source->path, opened->width, opened->height,
-                 ceil(load_images_limit(images, bytes) / (1 << 20)));
-    return SATIN_ERROR_INPUT;
-}
-
-static satin_status check_size(const struct load_source *source, const struct load_images *images,
-                               const struct opened_image *opened, size_t bytes) {
+static satin_status check_size(const struct load_source *source, const struct opened_image *opened,
+                               size_t bytes) {
     uint64_t pixels = (uint64_t)opened->width * (uint64_t)opened->height;
     if (pixels > LOAD_IMAGE_PIXELS_MAX)
         log_error_at(source->log, source->place, "image '%s' is too large: %d x %d", source->path,
@@ -91,7 +75,7 @@ static satin_status check_size(const struct load_source *source, const struct lo
         log_error_at(source->log, source->place, "image '%s' is cut short: %d x %d in %zu bytes",
                      source->path, opened->width, opened->height, bytes);
     else
-        return check_memory(source, images, opened);
+        return SATIN_OK;
     return SATIN_ERROR_INPUT;
 }
 
@@ -113,15 +97,36 @@ static satin_status read_texels(const struct load_source *source, const struct i
     return SATIN_OK;
 }
 
-static satin_status read_image(const struct load_source *source, const struct load_images *images,
+// Makes a black image instead of one that does not fit, with the three rows that an environment
+// needs.
+static satin_status leave_out(const struct load_source *source, int channels, struct image **out) {
+    const size_t count = 3 * (size_t)channels;
+    const float *texel = arena_array_alone(source->arena, count, sizeof *texel);
+    struct image *image = arena_alloc(source->arena, sizeof *image);
+    if (!texel || !image)
+        return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
+                        source->path);
+    *image = scene_image_make(1, 3, channels, texel);
+    *out = image;
+    return SATIN_OK;
+}
+
+static satin_status read_image(const struct load_source *source, struct load_images *images,
                                const struct image_reader *reader, const struct image_data *file,
                                bool raw, struct image **out) {
     struct opened_image opened;
     char error[512] = "";
     const enum reader_result result = reader->open(file, &opened, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
-    satin_status status = check_size(source, images, &opened, file->size);
-    if (status == SATIN_OK) status = read_texels(source, reader, &opened, raw, out);
+    satin_status status = check_size(source, &opened, file->size);
+    const double values = (double)opened.width * opened.height * opened.channels;
+    bool admitted = false;
+    if (status == SATIN_OK && !load_images_admit(images, values, &admitted))
+        status = log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
+                          source->path);
+    if (status == SATIN_OK)
+        status = admitted ? read_texels(source, reader, &opened, raw, out)
+                          : leave_out(source, opened.channels, out);
     reader->close(&opened);
     return status;
 }

@@ -1,30 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smaller copies of an image, each half the size of the one before, for lookups over an area. A
 // texel of a copy is the mean of the area that it covers, even if the number of texels is odd.
+//
+// The rows of an environment are at equal angles from pole to pole, and light is interpolated
+// between them. A row of its copy is a mean by the solid angles of the rows from which it would be
+// interpolated, so that the light of all directions stays.
 #include "load/load_build.h"
 
 static int half_size(int n) { return n > 1 ? n / 2 : 1; }
+
+enum { SPAN_MOST = 8 };
 
 // Texels from * n / m to (from + 1) * n / m of n, each with the fraction that is covered. The
 // function returns the sum of these fractions.
 struct texel_span {
     int first, count;
-    float fraction[3];
+    float fraction[SPAN_MOST];
 };
 
 static struct texel_span span_of(int from, int n, int m) {
     double left = (double)from * n / m, right = (double)(from + 1) * n / m;
     struct texel_span s = {.first = (int)left};
-    for (int i = s.first; i < n && i < right && s.count < 3; i++)
+    for (int i = s.first; i < n && i < right && s.count < SPAN_MOST; i++)
         s.fraction[s.count++] =
             (float)((fmin(right, i + 1.0) - fmax(left, (double)i)) / (right - left));
     return s;
 }
 
-static void shrink_image(const struct image *from, const struct image *to, float *texel) {
+// The rows of an environment of n of which row `row` of m is the mean.
+static struct texel_span environment_span(int row, int n, int m) {
+    const double step = (double)(n - 1) / (m - 1), at = row * step, angle = M_PI / (n - 1);
+    double weight[SPAN_MOST], sum = 0.0;
+    struct texel_span s = {.first = (int)fmax(floor(at - step) + 1.0, 0.0)};
+    for (int i = s.first; i < n && i < at + step && s.count < SPAN_MOST; i++) {
+        // At a pole a triangle of this height has a sixth of the solid angle.
+        const double solid = i > 0 && i < n - 1 ? sin(i * angle) : sin(angle) / 6.0;
+        weight[s.count] = solid * (1.0 - fabs(i - at) / step);
+        sum += weight[s.count++];
+    }
+    for (int i = 0; i < s.count; i++) s.fraction[i] = (float)(weight[i] / sum);
+    return s;
+}
+
+static void shrink_image(const struct image *from, const struct image *to, bool environment,
+                         float *texel) {
     const int channels = from->channels;
     for (int y = 0; y < to->height; y++) {
-        struct texel_span rows = span_of(y, from->height, to->height);
+        struct texel_span rows = environment ? environment_span(y, from->height, to->height)
+                                             : span_of(y, from->height, to->height);
         for (int x = 0; x < to->width; x++, texel += channels) {
             struct texel_span columns = span_of(x, from->width, to->width);
             for (int c = 0; c < channels; c++) texel[c] = 0.0f;
@@ -40,13 +63,14 @@ static void shrink_image(const struct image *from, const struct image *to, float
     }
 }
 
-bool load_image_coarser(struct arena *arena, const struct image *from, struct image *out) {
+bool load_image_coarser(struct arena *arena, const struct image *from, bool environment,
+                        struct image *out) {
     const int width = half_size(from->width), height = half_size(from->height);
     const size_t texels = (size_t)width * (size_t)height;
     float *texel = arena_array_alone(arena, texels * (size_t)from->channels, sizeof *texel);
     if (!texel) return false;
     const struct image to = scene_image_make(width, height, from->channels, texel);
-    shrink_image(from, &to, texel);
+    shrink_image(from, &to, environment, texel);
     *out = to;
     return true;
 }
@@ -60,7 +84,7 @@ bool load_image_levels(struct arena *arena, const struct image *image, struct im
     struct image *made = arena_array(arena, (size_t)count, sizeof *made);
     if (!made) return false;
     for (int i = 0; i < count; i++)
-        if (!load_image_coarser(arena, i ? &made[i - 1] : image, &made[i])) return false;
+        if (!load_image_coarser(arena, i ? &made[i - 1] : image, false, &made[i])) return false;
     *level = made;
     *levels = count;
     return true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images that become coarser where memory is limited. The largest one loses its finest texels,
 // again and again, until all fit; as each is read when the scene refers to it, that is done after
-// every one. What is left is the same in whichever order they are read, unless two are of one size.
+// every one.
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,19 +15,16 @@ enum { SIDE_LEAST = 6 };
 struct load_held {
     struct image *image, *level;
     int levels, steps;
+    bool environment;
 };
 
 static double process_bytes(const struct load_images *images) {
     return PROCESS_BYTES + (images->module ? PROCESS_MODULE_BYTES : 0.0);
 }
 
-double load_images_most(const struct load_images *images) {
-    if (!(images->memory > 0.0)) return INFINITY;
-    return 0.5 * fmax(images->memory - process_bytes(images), 0.0);
-}
-
-double load_images_limit(const struct load_images *images, double bytes) {
-    return process_bytes(images) + 2.0 * bytes;
+// What the process leaves of the limit.
+static double limit_left(const struct load_images *images) {
+    return fmax(images->memory - process_bytes(images), 0.0);
 }
 
 static double texel_bytes(const struct image *image) {
@@ -61,7 +58,7 @@ static struct load_held *largest(const struct load_images *images) {
 static bool coarsen(struct arena *arena, struct load_held *held) {
     const float *texel = held->image->texel;
     if (!held->levels) {
-        if (!load_image_coarser(arena, held->image, held->image)) return false;
+        if (!load_image_coarser(arena, held->image, held->environment, held->image)) return false;
     } else {
         *held->image = held->level[0];
         for (int i = 0; i < held->levels - 1; i++) held->level[i] = held->level[i + 1];
@@ -71,17 +68,10 @@ static bool coarsen(struct arena *arena, struct load_held *held) {
     return true;
 }
 
-bool load_images_keep(struct load_images *images, struct image *image, struct image *level,
-                      int levels) {
-    void *items = images->held;
-    if (!array_reserve(&items, &images->capacity, images->count + 1, sizeof *images->held))
-        return false;
-    images->held = items;
-    struct load_held *added = &images->held[images->count++];
-    *added = (struct load_held){image, level, levels, 0};
-    images->full += bytes_held(added);
-    const double most = load_images_most(images);
-    while (bytes_of_images(images) > most) {
+// Makes images coarser until all fit. False if there is no memory.
+static bool fit_images(struct load_images *images) {
+    if (!(images->memory > 0.0) || images->missing) return true;
+    while (bytes_of_images(images) > 0.5 * limit_left(images)) {
         struct load_held *held = largest(images);
         if (!held) break;
         if (!coarsen(images->arena, held)) return false;
@@ -89,14 +79,40 @@ bool load_images_keep(struct load_images *images, struct image *image, struct im
     return true;
 }
 
+bool load_images_admit(struct load_images *images, double values, bool *admitted) {
+    const double bytes = 4.0 / 3.0 * sizeof(float) * values;
+    // Half of a limit that leaves twice this is enough for all others.
+    images->needed = fmax(images->needed, bytes + fmin(bytes, images->asked));
+    images->asked += bytes;
+    // The image may be the first one that needs OpenImageIO, which leaves less to the others.
+    if (!fit_images(images)) return false;
+    *admitted = !(images->memory > 0.0) || bytes + bytes_of_images(images) <= limit_left(images);
+    images->missing = images->missing || !*admitted;
+    return true;
+}
+
+bool load_images_keep(struct load_images *images, struct image *image, struct image *level,
+                      int levels, bool environment) {
+    void *items = images->held;
+    if (!array_reserve(&items, &images->capacity, images->count + 1, sizeof *images->held))
+        return false;
+    images->held = items;
+    images->held[images->count++] = (struct load_held){image, level, levels, 0, environment};
+    return fit_images(images);
+}
+
 void load_images_end(struct load_images *images, struct log log, struct scene_images *out) {
     int coarser = 0;
     for (size_t i = 0; i < images->count; i++) coarser += images->held[i].steps > 0;
-    *out = (struct scene_images){images->module, bytes_of_images(images), images->full};
-    if (coarser)
+    *out = (struct scene_images){.module = images->module,
+                                 .missing = images->missing,
+                                 .bytes = bytes_of_images(images),
+                                 .asked = images->asked,
+                                 .needed = images->needed};
+    if (coarser && !images->missing)
         log_message(log, SATIN_LOG_WARNING,
                     "option memory: %d of %zu images %s coarser, in %.3g of %.3g MB", coarser,
-                    images->count, coarser > 1 ? "are" : "is", out->bytes / 1e6, out->full / 1e6);
+                    images->count, coarser > 1 ? "are" : "is", out->bytes / 1e6, out->asked / 1e6);
     free(images->held);
     *images = (struct load_images){0};
 }

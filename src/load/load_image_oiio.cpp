@@ -63,10 +63,27 @@ reader_result open(const struct image_data *file, struct opened_image *out, char
     });
 }
 
+// Rows that are read at once, a multiple of those that compressed EXR files have together. Whole
+// images would be in memory twice, once as they are in the file.
+enum { BAND_ROWS = 256 };
+
+bool read_bands(OIIO::ImageInput &input, const struct opened_image &image, float *texel) {
+    const OIIO::ImageSpec spec = input.spec();
+    if (spec.tile_width > 0)
+        return input.read_image(0, 0, 0, image.channels, OIIO::TypeDesc::FLOAT, texel);
+    const size_t row = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels);
+    bool done = true;
+    for (int y = 0; y < image.height && done; y += BAND_ROWS)
+        done = input.read_scanlines(
+            0, 0, spec.y + y, spec.y + std::min(y + +BAND_ROWS, image.height), spec.z, 0,
+            image.channels, OIIO::TypeDesc::FLOAT, texel + static_cast<size_t>(y) * row);
+    return done;
+}
+
 reader_result read(struct opened_image *image, float *texel, char *error, size_t size) {
     return guarded(error, size, [&] {
         auto *input = static_cast<OIIO::ImageInput *>(image->input);
-        bool done = input->read_image(0, 0, 0, image->channels, OIIO::TypeDesc::FLOAT, texel);
+        bool done = read_bands(*input, *image, texel);
         // Readers report truncated files and still claim success. But they also report JPEGs with a
         // few bytes too many, which are common and harmless.
         std::string complaint = input->geterror();

@@ -311,7 +311,8 @@ static satin_status build_envmap(struct load_state *loader, const struct params 
     if (status == SATIN_OK) status = repeat_row(loader, image);
     if (status != SATIN_OK) return status;
     light->image = image;
-    return load_images_keep(&loader->images, image, NULL, 0) ? SATIN_OK : load_no_memory(loader);
+    return load_images_keep(&loader->images, image, NULL, 0, true) ? SATIN_OK
+                                                                   : load_no_memory(loader);
 }
 
 const struct plugin_spec load_emitter_plugins[] = {

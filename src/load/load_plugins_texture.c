@@ -162,7 +162,7 @@ static satin_status image_of(struct load_state *loader, const struct param_value
         if (status == SATIN_OK &&
             ((!as_is &&
               !load_image_levels(source.arena, image.image, &image.level, &image.levels)) ||
-             !load_images_keep(&loader->images, image.image, image.level, image.levels)))
+             !load_images_keep(&loader->images, image.image, image.level, image.levels, false)))
             status = load_no_memory(loader);
     } else {
         status = load_no_memory(loader);

@@ -86,16 +86,21 @@ static struct log limit_log(const struct render *r) {
 }
 
 // The limit with which a render that needs so much would not be refused. Images take half of what
-// the process leaves of a limit, if they need it.
+// the process leaves of a limit, if they need it, and more while they are read.
 static double limit_needed(const struct scene_images *images, double needed) {
     const double process = PROCESS_BYTES + (images->module ? PROCESS_MODULE_BYTES : 0.0);
     const double others = needed - images->bytes - process;
-    return process + others + fmax(fmin(images->full, others), images->bytes);
+    return process + fmax(others + fmin(images->asked, others), images->needed);
 }
 
 satin_status render_memory_begin(struct render *r) {
     struct render_memory *m = &r->memory;
     satin_options *o = &r->options;
+    const bool missing = r->scene.images.missing;
+    if (o->memory <= 0 && missing)
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "option memory: the scene was loaded with a limit in which its images do "
+                        "not fit");
     if (o->memory <= 0) return SATIN_OK;
     const bool records = render_has_stage(r, STAGE_RECORDS);
     m->limit = (double)o->memory / renders_at_once(r);
@@ -116,7 +121,7 @@ satin_status render_memory_begin(struct render *r) {
         least -= m->visibility;
         m->visibility = 0.0;
     }
-    if (least > m->limit) {
+    if (least > m->limit || missing) {
         char limit[16], needed[16];
         return log_fail(
             r->log, SATIN_ERROR_INPUT,

@@ -54,8 +54,10 @@ struct image_file {
 
 // The memory of the images that were read from files.
 struct scene_images {
-    bool module;         // whether some were read by OpenImageIO
-    double bytes, full;  // as they are, and as they would be without a limit
+    bool module;          // whether some were read by OpenImageIO
+    bool missing;         // whether some were not read, as they do not fit into the limit
+    double bytes, asked;  // as they are, and about as they would be without a limit
+    double needed;        // with which all can be read, beside the process
 };
 
 struct texture {

@@ -11,14 +11,14 @@ static void check_texels(const struct image *image) {
         if (!(image->texel[i] >= 0.0f) || !isfinite(image->texel[i])) abort();
 }
 
-// Halves the image as often as it can be.
+// Makes the image coarser as often as it can be.
 static void check_coarser(struct load_images *images, struct image *image, bool raw) {
     struct image *level = NULL;
     struct scene_images what;
     int levels = 0;
     images->memory = 1.0;
     if ((!raw && !load_image_levels(images->arena, image, &level, &levels)) ||
-        !load_images_keep(images, image, level, levels))
+        !load_images_keep(images, image, level, levels, raw && image->height % 2 == 0))
         abort();
     load_images_end(images, (struct log){0}, &what);
     if (image->width >= 6 && image->height >= 6) abort();
