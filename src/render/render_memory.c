@@ -120,6 +120,10 @@ satin_status render_memory_begin(struct render *r) {
         m->fixed = m->kept + fmax(sums, records ? site_bytes(o) : 0.0);
         least -= m->visibility;
         m->visibility = 0.0;
+        if (least <= m->limit && !missing)
+            log_message(limit_log(r), SATIN_LOG_WARNING,
+                        "option memory: where the sky is visible is not learned, as that does not "
+                        "fit: its direct light is noisy");
     }
     if (least > m->limit || missing) {
         char limit[16], needed[16];
