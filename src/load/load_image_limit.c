@@ -18,13 +18,9 @@ struct load_held {
     bool environment;
 };
 
-static double process_bytes(const struct load_images *images) {
-    return PROCESS_BYTES + (images->module ? PROCESS_MODULE_BYTES : 0.0);
-}
-
 // What the process leaves of the limit.
 static double limit_left(const struct load_images *images) {
-    return fmax(images->memory - process_bytes(images), 0.0);
+    return fmax(images->memory - process_bytes(images->module), 0.0);
 }
 
 static double texel_bytes(const struct image *image) {

@@ -23,8 +23,7 @@ static const double ADAPTIVE_RECORDS = 2.0;
 static const double FOR_THREADS = 0.25, FOR_PHOTONS = 0.65, FOR_PASSES = 0.75;
 
 static double bytes_of_scene(const struct satin_scene *scene) {
-    return (double)scene->arena.bytes + TRIANGLE_BYTES * (double)scene->triangle_count +
-           (scene->images.module ? PROCESS_MODULE_BYTES : 0.0);
+    return (double)scene->arena.bytes + TRIANGLE_BYTES * (double)scene->triangle_count;
 }
 
 // What the film and the counts of samples take before there is an image. The sums of the pixels,
@@ -88,7 +87,7 @@ static struct log limit_log(const struct render *r) {
 // The limit with which a render that needs so much would not be refused. Images take half of what
 // the process leaves of a limit, if they need it, and more while they are read.
 static double limit_needed(const struct scene_images *images, double needed) {
-    const double process = PROCESS_BYTES + (images->module ? PROCESS_MODULE_BYTES : 0.0);
+    const double process = process_bytes(images->module);
     const double others = needed - images->bytes - process;
     return process + fmax(others + fmin(images->asked, others), images->needed);
 }
@@ -105,7 +104,7 @@ satin_status render_memory_begin(struct render *r) {
     const bool records = render_has_stage(r, STAGE_RECORDS);
     m->limit = (double)o->memory / renders_at_once(r);
     const double film = bytes_of_film(&r->scene, o);
-    m->kept = PROCESS_BYTES + bytes_of_scene(&r->scene) + film;
+    m->kept = process_bytes(r->scene.images.module) + bytes_of_scene(&r->scene) + film;
     m->thread = THREAD_BYTES + (records ? RAY_BYTES * rays_of_hemisphere(o) : 0.0);
     if (records && o->guide_visibility) m->visibility = guide_visibility_most(&r->scene);
     m->kept += m->visibility;
