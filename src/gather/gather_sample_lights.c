@@ -109,9 +109,8 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
         struct sampler s = {light_samples.first + i, sampler.seed, sampler.dimension};
         struct choice choice = {.visibility = visibility};
         vec2 u = sampler_2d(&s);
-        float u_choose = light_count > 1 ? sampler_1d(&s) : 0.0f;
         choice.light =
-            light_choose(g->scene, p->interaction.p, visibility, u_choose, &choice.probability);
+            light_choose(g->scene, p->interaction.p, visibility, &u.x, &choice.probability);
         const rgb L = rgb_scale(sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
         sum = rgb_add(sum, L);
         squares += sqrf(rgb_luminance(L));

@@ -39,10 +39,10 @@ static void add_arrival(struct path_tally *tally, uint32_t light, float E) {
 // Adds the irradiance at s from one light, chosen at random.
 static void add_direct(struct path_tally *tally, const struct satin_scene *scene,
                        const struct interaction *s, vec3 n, float T, struct rng *rng) {
-    const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
-    float choice;
+    float u = rng_float(rng), choice;
+    const float v = rng_float(rng);
     struct light_sample sample;
-    const uint32_t light = light_choose(scene, s->p, LIGHT_ALL_VISIBLE, u_choose, &choice);
+    const uint32_t light = light_choose(scene, s->p, LIGHT_ALL_VISIBLE, &u, &choice);
     if (!light_sample_wi(scene, light, s->p, u, v, &sample)) return;
     const float cosine = v3_dot(sample.wi, n);
     if (!(cosine > 0.0f)) return;

@@ -105,7 +105,7 @@ void light_choose_probabilities(const struct satin_scene *scene, vec3 p,
 }
 
 uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
-                      float u, float *probability) {
+                      float *u, float *probability) {
     uint32_t n = scene->light_count, i = 0;
     if (n == 1) {
         *probability = 1.0f;
@@ -118,9 +118,10 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_visi
     for (; i < n; i++) {
         if (!(weight[i] > 0.0f)) continue;
         last = i;
-        if (u < weight[i]) break;
-        u -= weight[i];
+        if (*u < weight[i]) break;
+        *u -= weight[i];
     }
+    *u = minf(*u / weight[last], SAMPLE_BELOW_ONE);
     *probability = weight[last];
     return last;
 }

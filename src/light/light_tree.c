@@ -233,10 +233,10 @@ static float leaf_weights(const struct satin_scene *scene, const struct light_no
     return good ? sum : (float)leaf->count;
 }
 
-uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, float *probability) {
+uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float *u, float *probability) {
     const struct light_tree *tree = scene->light_tree;
     const struct light_node *node = tree->node;
-    double x = (double)u, chosen = 1.0;
+    double x = (double)*u, chosen = 1.0;
     while (node->child) {
         double second = (double)second_probability(tree, node, p), first = 1.0 - second;
         bool right = x >= first;
@@ -251,6 +251,7 @@ uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, flo
     while (!(weight[i] > 0.0f) && i > 0)
         i--;  // rounding may have passed the last light with a
               // weight
+    *u = minf((float)(x / (double)weight[i]), SAMPLE_BELOW_ONE);
     *probability = (float)(chosen * (double)(weight[i] / sum));
     return tree->order[node->first + i];
 }

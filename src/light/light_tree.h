@@ -12,7 +12,7 @@ enum { LIGHT_LEAF_MAX = 8 };
 // SATIN_ERROR_MEMORY.
 satin_status light_tree_build(struct satin_scene *scene);
 // Do what light_choose and light_choose_probability do.
-uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, float *probability);
+uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float *u, float *probability);
 float light_tree_probability(const struct satin_scene *scene, vec3 p, uint32_t light);
 
 #endif

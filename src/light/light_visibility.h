@@ -61,9 +61,11 @@ struct light_visibility {
 // (light.c).
 float light_estimate(const struct satin_scene *scene, const struct light *light, vec3 p);
 // Chooses a light for direct lighting at p; *probability > 0. light_count must be > 0. Fractions
-// are for scenes of up to LIGHT_WEIGHTS_MAX lights.
+// are for scenes of up to LIGHT_WEIGHTS_MAX lights. *u is rescaled to [0, 1) within the choice, so
+// that the light can be sampled by it: strata of one pair of numbers are then strata of the lights
+// and of positions on each of them.
 uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
-                      float u, float *probability);
+                      float *u, float *probability);
 float light_choose_probability(const struct satin_scene *scene, vec3 p,
                                struct light_visibility visibility, uint32_t light);
 // The probabilities of all lights, of which there must be at most LIGHT_WEIGHTS_MAX.

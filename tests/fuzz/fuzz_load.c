@@ -83,11 +83,12 @@ static void use_surface(const satin_scene *scene, const struct interaction *s, v
     if (brdf_sample_wi(&brdf, local, u[0], (vec2){u[1], u[2]}, BRDF_ALL, BRDF_RADIANCE, &to))
         FUZZ_REQUIRE(v3_finite(to.wi) && sound(to.weight) && to.pdf_w >= 0.0f);
     struct light_sample light;
-    float p;
+    float p, of_light = u[3];
     if (!scene->light_count) return;
-    uint32_t chosen = light_choose(scene, s->p, LIGHT_ALL_VISIBLE, u[3], &p);
+    uint32_t chosen = light_choose(scene, s->p, LIGHT_ALL_VISIBLE, &of_light, &p);
     FUZZ_REQUIRE(chosen < scene->light_count && p > 0.0f);
-    if (light_sample_wi(scene, chosen, s->p, u[1], u[2], &light))
+    FUZZ_REQUIRE(of_light >= 0.0f && of_light < 1.0f);
+    if (light_sample_wi(scene, chosen, s->p, of_light, u[2], &light))
         FUZZ_REQUIRE(v3_finite(light.wi) && sound(light.L) && light.pdf_w > 0.0f);
 }
 

@@ -297,14 +297,15 @@ static void lights_are_chosen_with_their_probability(void **state) {
         test_scene_finish(&t);
         assert_true((t.scene.light_tree != NULL) == (lights > 16));
         vec3 p = v3(1.0f, 0.5f, 0.7f);
-        double drawn[32] = {0}, sum = 0.0;
+        double drawn[32] = {0}, rest[32] = {0}, sum = 0.0;
         for (int i = 0; i < 100000; i++) {
-            float probability;
-            uint32_t l = light_choose(&t.scene, p, LIGHT_ALL_VISIBLE, ((float)i + 0.5f) * 1e-5f,
-                                      &probability);
+            float probability, u = ((float)i + 0.5f) * 1e-5f;
+            uint32_t l = light_choose(&t.scene, p, LIGHT_ALL_VISIBLE, &u, &probability);
             assert_true(fabsf(probability -
                               light_choose_probability(&t.scene, p, LIGHT_ALL_VISIBLE, l)) < 1e-7f);
+            assert_true(u >= 0.0f && u < 1.0f);
             drawn[l] += 1e-5;
+            rest[l] += (double)u * 1e-5;
         }
         for (int i = 0; i < lights; i++) {
             float probability =
@@ -313,6 +314,7 @@ static void lights_are_chosen_with_their_probability(void **state) {
             if (light_sample_wi(&t.scene, (uint32_t)i, p, 0.5f, 0.5f, &s))
                 assert_true(probability > 1e-4f);
             assert_true(fabs(drawn[i] - probability) < 1e-4);
+            assert_true(fabs(rest[i] - 0.5 * probability) < 1e-4);  // it is uniform within each
             sum += probability;
         }
         assert_true(fabs(sum - 1.0) < 1e-5);
