@@ -130,10 +130,8 @@ bool photon_clearing_has(const struct photon_clearing *clearing, vec3 p, vec3 n,
 bool photon_surface_below(const struct satin_scene *scene, vec3 above, vec3 n, float depth, vec3 *p,
                           vec3 *ng) {
     const struct ray down = {above, 0.0f, v3_neg(n), depth};
-    struct interaction s;
-    if (!scene_intersect_whole(scene, &down, &s)) return false;
-    *p = s.p;
-    *ng = v3_dot(s.ng, n) < 0.0f ? v3_neg(s.ng) : s.ng;
+    if (!scene_surface(scene, &down, p, ng)) return false;
+    if (v3_dot(*ng, n) < 0.0f) *ng = v3_neg(*ng);
     return true;
 }
 

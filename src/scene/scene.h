@@ -379,9 +379,10 @@ void scene_trace_free(struct trace *trace);
 // is not finite, or whose direction is zero, hits nothing.
 bool scene_intersect(const struct satin_scene *scene, const struct ray *ray,
                      struct interaction *out);
-// Does what scene_intersect does, for a ray that ignores the holes of masked surfaces.
-bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
-                           struct interaction *out);
+// Finds the nearest surface in (tnear, tfar), ignoring the holes of masked ones: a point on it
+// within the rounding of the ray, and its geometric normal (unit) on either side. Faster than
+// scene_intersect. False if there is none.
+bool scene_surface(const struct satin_scene *scene, const struct ray *ray, vec3 *p, vec3 *n);
 // The distance of the nearest hit, or INFINITY if there is none. Faster than scene_intersect.
 float scene_distance(const struct satin_scene *scene, const struct ray *ray);
 bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);

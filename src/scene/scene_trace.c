@@ -2,6 +2,7 @@
 // Ray tracing on Embree, which only this file and scene_accel.c use: the scene as an acceleration
 // structure, groups of shapes as structures below it, and the queries. Hits become surface
 // interactions in scene_interaction.c, scene_quadric.c and, for instances, scene_instance.c.
+#include <float.h>
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -255,13 +256,32 @@ bool scene_intersect(const struct satin_scene *scene, const struct ray *ray,
     return hit_interaction(scene, ray, &hit, out);
 }
 
-bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
-                           struct interaction *out) {
+// Whether a hit is one of a triangle that no instance shows.
+static bool is_triangle(const struct satin_scene *scene, const struct RTCRayHit *hit) {
+    const struct accel *top = &scene->trace->top;
+    if (hit->hit.instID[0] != RTC_INVALID_GEOMETRY_ID || hit->hit.geomID == top->quadric_id)
+        return false;
+    return scene->shape[top->geometry_shape[hit->hit.geomID]].kind == SHAPE_MESH;
+}
+
+bool scene_surface(const struct satin_scene *scene, const struct ray *ray, vec3 *p, vec3 *n) {
     struct RTCRayHit hit;
     if (!query_load(ray, &hit)) return false;
     hit.ray.id = true;  // read by the masks
     scene_embree_intersect(scene->trace->top.scene, &hit);
-    return hit_interaction(scene, ray, &hit, out);
+    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    const vec3 ng = v3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z);
+    const float length2 = v3_len2(ng);
+    struct interaction s;
+    if (length2 > FLT_MIN && length2 < FLT_MAX && is_triangle(scene, &hit)) {
+        *p = v3_mad(ray->o, hit.ray.tfar, ray->d);
+        *n = v3_mul(ng, 1.0f / sqrtf(length2));
+    } else {
+        hit_interaction(scene, ray, &hit, &s);
+        *p = s.p;
+        *n = s.ng;
+    }
+    return true;
 }
 
 float scene_distance(const struct satin_scene *scene, const struct ray *ray) {

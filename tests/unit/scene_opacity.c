@@ -45,7 +45,9 @@ static void fraction_through(const struct satin_scene *scene, float fraction[2])
         bool clear = !scene_occluded(scene, &shadow);
         assert_true(clear == wall);  // the same ray finds the same
         free_ways += clear;
-        assert_true(scene_intersect_whole(scene, &ray, &s) && s.p.z > 0.0f);
+        vec3 p, n;
+        assert_true(scene_surface(scene, &ray, &p, &n) && p.z > 0.0f);
+        assert_true(fabsf(v3_len(n) - 1.0f) < 1e-6f);
     }
     fraction[0] = (float)hits / RAYS;
     fraction[1] = (float)free_ways / RAYS;
