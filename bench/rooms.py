@@ -12,7 +12,8 @@ and stay in DIR. Renders alternate, so that a busy machine is busy for all. Imag
 are left in DIR. relMSE over all pixels, FLIP as by `satin compare --flip`, means relative to the
 reference's. The references are path-traced and so have noise of their own, which relMSE and FLIP
 count; `error` does not (unbiased.py): it is found by both references, or by the reference and a
-further path-traced image, of the longest limit.
+further path-traced image, of the longest limit. With --size it is relative to the squared radiance
+of a third image, by two passes: single bright pixels of a reference would hide errors.
 """
 import glob
 import json
@@ -44,20 +45,21 @@ def with_references(folder):
             print(f"{name}: skipped, it has no reference-WxH.exr", file=sys.stderr)
 
 
-def path_traced(options, name, scene, size):
-    """Two path-traced images of a room, and their mean, as paths; made unless they are there."""
+def made_references(options, name, scene, size):
+    """Two path-traced images of a room, their mean, and one by two passes, as paths; made unless
+    they are there."""
     width, height = size
     found = []
-    for seed in ("1000", "1001"):
-        out = f"{name}-{width}x{height}-path-{seed}"
+    for (_, arguments), seed in zip([METHODS[1], METHODS[1], METHODS[0]], ("1000", "1001", "1002")):
+        out = f"{name}-{width}x{height}-reference-{seed}"
         image = os.path.join(options.dir, out + ".exr")
         if not os.path.exists(image):
             runs.render(options, scene, out, "--width", width, "--height", height, "--seed", seed,
-                        "--integrator", "path", "--time", str(options.reference))
+                        *arguments, "--time", str(options.reference))
         found.append(image)
-    mean = os.path.join(options.dir, f"{name}-{width}x{height}-path.exr")
-    runs.run([options.satin, "average", *found, "-o", mean])
-    return [*found, mean]
+    mean = os.path.join(options.dir, f"{name}-{width}x{height}-reference.exr")
+    runs.run([options.satin, "average", *found[:2], "-o", mean])
+    return [*found[:2], mean, found[2]]
 
 
 def error(options, image, reference):
@@ -65,27 +67,29 @@ def error(options, image, reference):
     return found["relmse"], found["flip"], found["mean_ratio"] - 1
 
 
-def exact_error(image, reference, traced):
-    """Without the references' noise; relative as `satin compare` has it."""
-    (found, _), (b, _), (c, _) = (unbiased.channels(x) for x in (image, reference, traced))
-    return unbiased.relative(found, b, c, b ** 2 + 0.01).mean()
+def exact_error(image, first, second, bright):
+    """Without the noise of the first two references; relative to an image of little noise."""
+    found, b, c, over = (unbiased.channels(x)[0] for x in (image, first, second, bright))
+    return unbiased.relative(found, b, c, over ** 2 + 0.01).mean()
 
 
 def compare(options, name, scene, size, references):
     """Renders a room with each limit and prints the rows. The errors are found by the first two
-    references together, relMSE, FLIP and means by the third one."""
-    first, second, shown = references
+    references together, relMSE, FLIP and means by the third one. The fourth one shows where the
+    room is bright."""
+    first, second, shown, bright = references
     width, height = size
     for limit in options.limits:
         results = {}
         for seed in range(options.seeds):
             for denoise in [[], ["--denoise"]] if options.denoise else [[]]:
                 for method, arguments in METHODS:
+                    out = "-".join([name, method.replace(" ", "-"), f"{limit:g}", *denoise[:1]])
                     image, stats = runs.render(
-                        options, scene, f"{name}-{method[:4]}", "--width", width, "--height",
+                        options, scene, out.replace("---", "-"), "--width", width, "--height",
                         height, "--time", str(limit), "--seed", str(seed), *arguments, *denoise)
-                    row = (exact_error(image, first, second), *error(options, image, shown),
-                           stats["image.spp"])
+                    row = (exact_error(image, first, second, bright),
+                           *error(options, image, shown), stats["image.spp"])
                     results.setdefault(" ".join([method, *denoise]), []).append(row)
         for method, rows in results.items():
             exact, relmse, flip, mean, spp = (statistics.mean(column) for column in zip(*rows))
@@ -110,14 +114,14 @@ def main():
     if options.size:
         size = options.size.split("x")
         for name, scene in rooms(folder):
-            compare(options, name, scene, size, path_traced(options, name, scene, size))
+            compare(options, name, scene, size, made_references(options, name, scene, size))
     else:
         for name, scene, reference, size in with_references(folder):
             width, height = size
             traced, _ = runs.render(options, scene, f"{name}-traced", "--width", width, "--height",
                                     height, "--integrator", "path", "--time",
                                     str(max(options.limits)), "--seed", "1000")
-            compare(options, name, scene, size, [reference, traced, reference])
+            compare(options, name, scene, size, [reference, traced, reference, reference])
 
 
 if __name__ == "__main__":
