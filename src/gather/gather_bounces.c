@@ -188,7 +188,7 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
             {{shadow ? diffuse : 0u, by_diffuse.ratio}, {glossy, by_glossy.ratio}, {known, 0.0f}}};
         v->L = rgb_add(v->L, sample_direct(path, v, mis, estimate.light_samples));
     }
-    path->sampler.dimension++;
+    path->sampler.dimension += 2;
 
     const struct photon_caustic_limits caustic = {known, INFINITY,
                                                   photon_bounces_left(g->options, v->depth)};

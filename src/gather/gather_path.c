@@ -132,7 +132,7 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
         walk.length += s.t;
         if (!rgb_black(walk.rest))
             L = rgb_fma(L, walk.rest, known_light(g, &from, &walk, *sampler));
-        sampler->dimension++;
+        sampler->dimension += 2;
     } while (bounce(g, &from, sampler, &walk));
     return L;
 }

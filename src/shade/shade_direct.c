@@ -62,7 +62,7 @@ int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays) {
     shade_add_uncached(
         lighting, SHADE_DIRECT,
         gather_sample_lights(g, p, mis, light_samples, lighting->sampler, &variance));
-    lighting->sampler.dimension++;
+    lighting->sampler.dimension += 2;
     if (by_diffuse) add_brdf_samples(lighting, diffuse, 1, 1, lighting->sampler.index);
     lighting->sampler.dimension += 2;
     if (glossy && of_glossy)
