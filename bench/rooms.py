@@ -84,10 +84,10 @@ def compare(options, name, scene, size, references):
         for seed in range(options.seeds):
             for denoise in [[], ["--denoise"]] if options.denoise else [[]]:
                 for method, arguments in METHODS:
-                    out = "-".join([name, method.replace(" ", "-"), f"{limit:g}", *denoise[:1]])
+                    out = f"{name}-{method.replace(' ', '-')}-{limit:g}{'-denoised' * len(denoise)}"
                     image, stats = runs.render(
-                        options, scene, out.replace("---", "-"), "--width", width, "--height",
-                        height, "--time", str(limit), "--seed", str(seed), *arguments, *denoise)
+                        options, scene, out, "--width", width, "--height", height, "--time",
+                        str(limit), "--seed", str(seed), *arguments, *denoise)
                     row = (exact_error(image, first, second, bright),
                            *error(options, image, shown), stats["image.spp"])
                     results.setdefault(" ".join([method, *denoise]), []).append(row)

@@ -270,17 +270,17 @@ bool scene_surface(const struct satin_scene *scene, const struct ray *ray, vec3 
     hit.ray.id = true;  // read by the masks
     scene_embree_intersect(scene->trace->top.scene, &hit);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    const vec3 ng = v3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z);
-    const float length2 = v3_len2(ng);
-    struct interaction s;
-    if (length2 > FLT_MIN && length2 < FLT_MAX && is_triangle(scene, &hit)) {
+    if (is_triangle(scene, &hit)) {
+        const vec3 ng = v3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z);
+        const float length2 = v3_len2(ng);
         *p = v3_mad(ray->o, hit.ray.tfar, ray->d);
         *n = v3_mul(ng, 1.0f / sqrtf(length2));
-    } else {
-        hit_interaction(scene, ray, &hit, &s);
-        *p = s.p;
-        *n = s.ng;
+        if (length2 > FLT_MIN && length2 < FLT_MAX) return true;
     }
+    struct interaction s;
+    hit_interaction(scene, ray, &hit, &s);
+    *p = s.p;
+    *n = s.ng;
     return true;
 }
 
