@@ -60,7 +60,10 @@ struct light {
     const float *row_weight;  // envmap: factors of the rows of texels in the density, rows + 1
     const struct light_face *face;  // area: set if all triangles pair into a few faces, else NULL
     uint32_t face_count;
-    vec3 centre;         // area: centre of its bounds
+    const float *facing_cdf;  // area, many triangles: distributions over them (light_facing.c), or
+                              // NULL
+    vec3 centre;              // area: centre of its bounds
+    float radius;             // area, mesh: half the diagonal of its bounds
     float strength;      // luminance of radiance * area, of intensity or of irradiance, by kind
     float sun_fraction;  // fraction of the samples that goes to the sun
     float power;         // luminance of the emitted power [W], > 0

@@ -61,14 +61,18 @@ static struct light_point cylinder_point(const struct light *light, const struct
         area_radiance(light, scene_texture_at((vec2){u, v})), 1.0f / shape->area};
 }
 
-static float triangle_pdf(const struct shape *shape, uint32_t i, float normal_length) {
-    return 2.0f * (shape->area_cdf[i + 1] - shape->area_cdf[i]) / normal_length;
+vec3 light_triangle_normal(const struct shape *shape, uint32_t i) {
+    return triangle_get(shape, i).n;
+}
+
+static float triangle_pdf(const float *cdf, uint32_t i, float normal_length) {
+    return 2.0f * (cdf[i + 1] - cdf[i]) / normal_length;
 }
 
 static struct light_point triangle_point(const struct light *light, const struct shape *shape,
-                                         float u, float v) {
+                                         const float *cdf, float u, float v) {
     const struct mesh *mesh = &shape->mesh;
-    uint32_t i = (uint32_t)sample_cdf(shape->area_cdf, mesh->triangle_count, u, &u);
+    uint32_t i = (uint32_t)sample_cdf(cdf, mesh->triangle_count, u, &u);
     struct triangle t = triangle_get(shape, i);
     vec2 b = sample_triangle(u, v);
     struct texture_lookup at = {b, mesh, i, b, 0.0f};
@@ -76,7 +80,7 @@ static struct light_point triangle_point(const struct light *light, const struct
     float length = v3_len_wide(t.n);
     return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
                                 v3_mul(t.n, 1.0f / length), area_radiance(light, at),
-                                triangle_pdf(shape, i, length)};
+                                triangle_pdf(cdf, i, length)};
 }
 
 static rgb face_radiance(const struct light *light, const struct mesh *mesh,
@@ -92,7 +96,7 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
     if (shape->kind == SHAPE_SPHERE) return sphere_point(light, shape, sample_uniform_sphere(u, v));
     if (shape->kind == SHAPE_DISK) return disk_point(light, shape, u, v);
     if (shape->kind == SHAPE_CYLINDER) return cylinder_point(light, shape, u, v);
-    if (!light->face) return triangle_point(light, shape, u, v);
+    if (!light->face) return triangle_point(light, shape, shape->area_cdf, u, v);
     float x = u * shape->area;
     uint32_t i = 0;
     while (i + 1 < light->face_count && x >= light->face[i].area) x -= light->face[i++].area;
@@ -143,14 +147,20 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
     return SATIN_OK;
 }
 
+static void bound_mesh(const struct shape *shape, struct light *light) {
+    vec3 lo, hi;
+    scene_shape_bounds(shape, &lo, &hi);
+    light->centre = v3_mul(v3_add(lo, hi), 0.5f);
+    light->radius = 0.5f * v3_len(v3_sub(hi, lo));
+}
+
 satin_status light_area_prepare(struct satin_scene *scene, struct light *light) {
     struct shape *shape = &scene->shape[light->shape];
     if (shape->kind == SHAPE_MESH) {
         satin_status status = prepare_mesh(scene, light);
+        bound_mesh(shape, light);
+        if (status == SATIN_OK && !light->face) status = light_facing_build(scene, light);
         if (status != SATIN_OK) return status;
-        vec3 lo, hi;
-        scene_shape_bounds(shape, &lo, &hi);
-        light->centre = v3_mul(v3_add(lo, hi), 0.5f);
     } else {
         shape->area = scene_shape_area(shape);
         float middle = shape->kind == SHAPE_CYLINDER ? 0.5f : 0.0f;
@@ -245,7 +255,10 @@ bool light_area_sample(const struct satin_scene *scene, const struct light *ligh
     const struct shape *shape = &scene->shape[light->shape];
     if (shape->kind == SHAPE_SPHERE) return sphere_sample(light, shape, p, u, v, out);
     if (!light->face) {
-        struct light_point at = light_area_point(scene, light, u, v);
+        struct light_point at =
+            shape->kind == SHAPE_MESH
+                ? triangle_point(light, shape, light_facing_cdf(light, shape, p), u, v)
+                : light_area_point(scene, light, u, v);
         return finish_area_sample(&at, p, 0.0f, out);
     }
     float probability, pdf_w;
@@ -275,7 +288,8 @@ float light_area_pdf(const struct satin_scene *scene, const struct light *light,
         return probability * light_face_pdf(&light->face[i], p, s->p);
     }
     float pdf_a = shape->kind == SHAPE_MESH
-                      ? triangle_pdf(shape, s->prim, v3_len_wide(triangle_get(shape, s->prim).n))
+                      ? triangle_pdf(light_facing_cdf(light, shape, p), s->prim,
+                                     v3_len_wide(triangle_get(shape, s->prim).n))
                       : 1.0f / shape->area;
     return pdf_a * d2 / cosine;
 }

@@ -26,6 +26,17 @@ struct light_point {
 struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
                                     float u, float v);
 
+// The front normal of a triangle of a mesh, whose length is twice the area.
+vec3 light_triangle_normal(const struct shape *shape, uint32_t i);
+
+// ---- Lights of many triangles (light_facing.c) --------------------------------------------------
+
+// Builds facing_cdf of a mesh light, unless it would be large. Fails with SATIN_ERROR_MEMORY.
+satin_status light_facing_build(struct satin_scene *scene, struct light *light);
+// The distribution over the triangles of a mesh light for samples from p: by area, or by the area
+// that faces points like p.
+const float *light_facing_cdf(const struct light *light, const struct shape *shape, vec3 p);
+
 // ---- Faces (light_face.c) ---------------------------------------------------------------------
 
 // 1 or -1, the factor by which a triangle's normal n, from the order of its vertices, is on the

@@ -148,10 +148,89 @@ static void photons_leave_a_bright_texel(void **state) {
     test_scene_free(&l.t);
 }
 
+// ---- A mesh of many triangles -------------------------------------------------------------------
+
+enum { AROUND = 24, ALONG = 12, POINTS = AROUND * (ALONG + 1), TRIANGLES = 2 * AROUND * ALONG };
+
+// A ball with radii of 1, 1 and 2; its poles are degenerate.
+static void make_ball(float position[3 * POINTS + 1], uint32_t index[3 * TRIANGLES]) {
+    for (int i = 0; i < POINTS; i++) {
+        const double phi = 2.0 * M_PI * (i % AROUND) / AROUND;
+        const double theta = M_PI * (double)(i / AROUND) / ALONG;
+        position[3 * i] = (float)(sin(theta) * cos(phi));
+        position[3 * i + 1] = (float)(sin(theta) * sin(phi));
+        position[3 * i + 2] = (float)(2.0 * cos(theta));
+    }
+    for (uint32_t i = 0; i < AROUND * ALONG; i++) {
+        const uint32_t next = i % AROUND == AROUND - 1 ? i + 1 - AROUND : i + 1;
+        const uint32_t corner[6] = {i, i + AROUND, next + AROUND, i, next + AROUND, next};
+        memcpy(index + 6 * (size_t)i, corner, sizeof corner);
+    }
+}
+
+// The solid angle of a convex mesh: of its triangles that face p, each at its middle.
+static double ball_solid_angle(const struct shape *shape, vec3 p) {
+    double sum = 0.0;
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        const uint32_t *index = shape->mesh.index + 3 * (size_t)i;
+        vec3 d = v3(0, 0, 0);
+        for (int k = 0; k < 3; k++)
+            d = v3_add(d, v3_sub(p, scene_mesh_vertex(&shape->mesh, index[k])));
+        d = v3_mul(d, 1.0f / 3.0f);
+        const float facing = 0.5f * v3_dot(light_triangle_normal(shape, i), d);
+        if (facing > 0.0f) sum += (double)facing / pow((double)v3_len(d), 3.0);
+    }
+    return sum;
+}
+
+// Samples of a closed mesh from far away are of its visible side; the mean of 1 / density is
+// the solid angle, and rays that find the mesh report the same density.
+static void samples_of_a_mesh_face_the_point(void **state) {
+    (void)state;
+    enum { SAMPLES = 1 << 14 };
+    static const vec3 position[] = {{0, 0, 25}, {15, 1, 0}, {-20, -30, 25}, {3, 2, -1}};
+    static float corner[3 * POINTS + 1];
+    static uint32_t index[3 * TRIANGLES];
+    struct test_scene t;
+    test_scene_init(&t);
+    make_ball(corner, index);
+    struct shape s = {.kind = SHAPE_MESH, .material = test_diffuse(&t, 0, 0, 0)};
+    s.mesh = (struct mesh){POINTS, TRIANGLES, corner, NULL, NULL, index, NULL, 0};
+    const uint32_t shape = test_add_shape(&t, s);
+    test_area_light(&t, shape, rgb_grey(1.0f));
+    test_scene_finish(&t);
+    for (size_t k = 0; k < sizeof position / sizeof *position; k++) {
+        const vec3 p = position[k];
+        double sum = 0.0;
+        int facing = 0;
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            const vec2 u = sample_sobol2(i, 0);
+            struct light_sample sample;
+            struct interaction hit;
+            if (!light_sample_wi(&t.scene, 0, p, u.x, u.y, &sample)) continue;
+            facing++;
+            sum += 1.0 / (double)sample.pdf_w / SAMPLES;
+            const struct ray ray = {p, 0.0f, sample.wi, INFINITY};
+            if (!scene_intersect(&t.scene, &ray, &hit)) continue;  // between two triangles
+            const float pdf = light_pdf(&t.scene, p, sample.wi, &hit);
+            if (v3_dist2(hit.p, sample.p) < 1e-8f)
+                assert_true(fabsf(pdf - sample.pdf_w) <= 2e-3f * pdf);
+        }
+        const double expected = ball_solid_angle(&t.scene.shape[shape], p);
+        const double far = (double)v3_len(p) / sqrt(6.0);  // radius of the bounds
+        print_message("%.1f radii: solid angle %.4f, %+.2f %%, %.1f %% face the point\n", far,
+                      expected, 100.0 * (sum / expected - 1.0), 100.0 * facing / SAMPLES);
+        assert_true(fabs(sum / expected - 1.0) < 0.005);
+        if (far > 3.0) assert_true(facing > 0.7 * SAMPLES);
+    }
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solid_angles_of_rectangles_of_any_size_are_right),
         cmocka_unit_test(solid_angles_of_triangles_of_any_size_are_right),
-        cmocka_unit_test(a_bright_texel_is_found), cmocka_unit_test(photons_leave_a_bright_texel)};
+        cmocka_unit_test(a_bright_texel_is_found), cmocka_unit_test(photons_leave_a_bright_texel),
+        cmocka_unit_test(samples_of_a_mesh_face_the_point)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mesh lights of many triangles: from any point at most half of a closed one is visible, such as of
+// the filament of a bulb. For each of some directions from the light, the triangles have a
+// distribution by how much of their area faces it.
+#include "base/sampling.h"
+#include "light/light_kinds.h"
+
+enum {
+    SIDE = 2,  // each side of a cube of directions has 2 x 2 sectors
+    SECTORS = 6 * SIDE * SIDE,
+    DIRECTIONS = 4,  // along each edge of a sector: directions for which the facing is averaged
+    // A bound of memory alone, 13 MB: the largest number of triangles times that of lights.
+    TRIANGLES_MOST = 1 << 17
+};
+// Points that are nearer than so many radii of the light see its parts in too different directions.
+static const float FAR = 3.0f;
+// This much of the area counts even if it faces away, for points that are not quite far.
+static const float FACING_LEAST = 0.05f;
+
+// The sector of the cube of directions that w is in.
+static int cube_sector(vec3 w) {
+    const float x = fabsf(w.x), y = fabsf(w.y), z = fabsf(w.z);
+    const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    const int sign = v3_along(w, axis) < 0.0f;
+    const int s = v3_along(w, (axis + 1) % 3) < 0.0f, t = v3_along(w, (axis + 2) % 3) < 0.0f;
+    return ((axis * 2 + sign) * SIDE + s) * SIDE + t;
+}
+
+// A direction of a sector, at s and t in (0, 1).
+static vec3 sector_direction(int sector, float s, float t) {
+    const int axis = sector / (2 * SIDE * SIDE);
+    const float side = sector / (SIDE * SIDE) % 2 ? -1.0f : 1.0f;
+    float w[3];
+    w[axis] = side;
+    w[(axis + 1) % 3] = sector / SIDE % 2 ? -s : s;
+    w[(axis + 2) % 3] = sector % 2 ? -t : t;
+    return v3_unit(v3(w[0], w[1], w[2]));
+}
+
+// The mean of what a triangle of a normal shows to the directions of a sector.
+static float facing(vec3 n, int sector) {
+    float sum = 0.0f;
+    for (int i = 0; i < DIRECTIONS * DIRECTIONS; i++) {
+        const float s = ((float)(i % DIRECTIONS) + 0.5f) / DIRECTIONS,
+                    t = ((float)(i / DIRECTIONS) + 0.5f) / DIRECTIONS;
+        sum += fmaxf(v3_dot(n, sector_direction(sector, s, t)), 0.0f);
+    }
+    return sum / (DIRECTIONS * DIRECTIONS);
+}
+
+satin_status light_facing_build(struct satin_scene *scene, struct light *light) {
+    const struct shape *shape = &scene->shape[light->shape];
+    const size_t n = shape->mesh.triangle_count;
+    if (n * scene->light_count > TRIANGLES_MOST) return SATIN_OK;
+    float *weight = arena_array(&scene->arena, n, sizeof *weight);
+    float *cdf = arena_array(&scene->arena, SECTORS * (n + 1), sizeof *cdf);
+    if (!weight || !cdf) return SATIN_ERROR_MEMORY;
+    for (int sector = 0; sector < SECTORS; sector++) {
+        for (size_t i = 0; i < n; i++) {
+            const vec3 n2 = light_triangle_normal(shape, (uint32_t)i);
+            const float area2 = v3_len_wide(n2);
+            const vec3 normal = v3_mul(n2, area2 > 0.0f ? 1.0f / area2 : 0.0f);
+            weight[i] = area2 * (facing(normal, sector) + FACING_LEAST);
+        }
+        sample_cdf_build(weight, n, cdf + (size_t)sector * (n + 1));
+    }
+    light->facing_cdf = cdf;
+    return SATIN_OK;
+}
+
+const float *light_facing_cdf(const struct light *light, const struct shape *shape, vec3 p) {
+    if (!light->facing_cdf) return shape->area_cdf;
+    const vec3 w = v3_sub(p, light->centre);
+    if (v3_len2(w) < sqrf(FAR * light->radius)) return shape->area_cdf;
+    return light->facing_cdf + (size_t)cube_sector(w) * (shape->mesh.triangle_count + 1);
+}
