@@ -91,9 +91,9 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
 // negative if even direct light exceeds max_depth.
 int gather_panes(const struct gather *g, int depth);
 // The density over solid angle [sr^-1] at p with which gather_sample_lights, choosing one light,
-// draws the first direction of a straight chain from p to an emitter: `hit` is the surface
-// interaction on the emitter, NULL for the environment.
-float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
+// draws the first direction of a connection from p to an emitter: `hit` is the surface interaction
+// on the emitter, NULL for the environment.
+float gather_light_pdf(const struct gather *g, vec3 p, const struct light_connection *to,
                        const struct interaction *hit);
 
 // Emitted light that a ray meets.

@@ -43,17 +43,19 @@ static int count_light_samples(const struct gather *g, int depth) {
     return g->sppm && depth == 1 ? g->options->light_samples : 1;
 }
 
-// Continues the path from `from` by a sample, along `d`.
+// Continues the path from `from` by a sample.
 static void leave_point(const struct gather *g, const struct shading_point *from,
-                        const struct brdf_sample *next, vec3 d, struct path_walk *walk) {
+                        const struct brdf_sample *next, struct path_walk *walk) {
+    const vec3 wo = v3_neg(walk->ray.d);
+    walk->ray = scene_spawn(g->scene, from->interaction.p, from->interaction.ng,
+                            frame_to_world(&from->frame, next->wi));
     if (next->pdf_w > 0.0f) {
         walk->T = walk->rest;  // light samples found direct light
         walk->from = from->interaction.p;
         walk->pdf_w = next->pdf_w / (float)count_light_samples(g, walk->depth + 1);
-        walk->chain = light_chain_begin(d);
+        walk->chain = light_chain_begin(&walk->ray);
     } else {
-        light_chain_pass(&walk->chain, g->scene, &from->interaction, v3_neg(walk->ray.d),
-                         from->wo_l, next);
+        light_chain_pass(&walk->chain, g->scene, &from->interaction, wo, from->wo_l, next);
     }
 }
 
@@ -66,8 +68,7 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
     const unsigned lobes = rgb_black(walk->rest) ? BRDF_DELTA : BRDF_ALL;
     if (!brdf_sample_wi(&from->brdf, from->wo_l, u_lobe, u, lobes, BRDF_RADIANCE, &next))
         return false;
-    const vec3 d = frame_to_world(&from->frame, next.wi);
-    leave_point(g, from, &next, d, walk);
+    leave_point(g, from, &next, walk);
     walk->T = rgb_mul(walk->T, next.weight);
     const rgb left = g->sppm ? photon_sppm_rest(from, &next) : next.weight;
     walk->caustic = rgb_mul(next.pdf_w > 0.0f ? walk->rest : walk->caustic, left);
@@ -76,7 +77,6 @@ static bool bounce(const struct gather *g, const struct shading_point *from,
     walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
     walk->specular = walk->specular && !(next.pdf_w > 0.0f);
     walk->depth++;
-    walk->ray = scene_spawn(g->scene, from->interaction.p, from->interaction.ng, d);
     if (walk->depth >= g->options->rr_depth) {
         float survive = fminf(rgb_max(walk->T) * walk->eta * walk->eta, ROULETTE_MAX);
         if (!(sampler_1d(sampler) < survive)) return false;
@@ -110,7 +110,6 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
     do {
         struct interaction s;
         bool hit = scene_intersect(g->scene, &walk.ray, &s);
-        if (hit) light_chain_advance(&walk.chain, s.t);
         if (first) *first = hit ? (struct gather_first){s.t, s.ng} : GATHER_NOTHING;
         if (walk.emission) {
             rgb T;

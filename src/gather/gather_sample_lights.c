@@ -125,20 +125,19 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
 struct gather_met_light gather_meet_light(const struct gather *g, const struct light_chain *chain,
                                           vec3 d, const vec3 *from, const struct interaction *hit) {
     struct gather_met_light met = {.Le = light_chain_emitted(chain, g->scene, hit, d)};
-    met.direct = from && !rgb_black(met.Le) && light_chain_straight(chain, d);
-    if (met.direct) met.light_pdf = gather_light_pdf(g, *from, chain, hit);
+    struct light_connection to;
+    met.direct = from && !rgb_black(met.Le) && light_chain_direct(chain, g->scene, d, hit, &to);
+    if (met.direct) met.light_pdf = gather_light_pdf(g, *from, &to, hit);
     return met;
 }
 
-float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
+float gather_light_pdf(const struct gather *g, vec3 p, const struct light_connection *to,
                        const struct interaction *hit) {
     const struct satin_scene *scene = g->scene;
     if (!hit && scene->environment < 0) return 0.0f;
     const struct light_visibility visibility = guide_visibility_at(g->visibility, p);
     const uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
     const float choice = light_choose_probability(scene, p, visibility, light);
-    if (!hit) return choice * light_environment_pdf(scene, visibility.histogram, p, chain->d);
-    const vec3 beside = light_chain_beside(chain, p, hit->p);
-    const float density = light_chain_density(chain, sqrtf(v3_dist2(beside, hit->p)));
-    return choice * density * light_pdf(scene, beside, chain->d, hit);
+    if (!hit) return choice * light_environment_pdf(scene, visibility.histogram, p, to->d);
+    return choice * light_connection_pdf(scene, p, to, hit);
 }

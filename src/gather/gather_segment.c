@@ -55,7 +55,7 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
                           struct sampler *sampler, struct gather_segment *out,
                           struct shading_point *end) {
     struct ray ray = start->ray;
-    struct light_chain chain = light_chain_begin(ray.d);
+    struct light_chain chain = light_chain_begin(&ray);
     float distance = 0.0f;
     *out = (struct gather_segment){.T = rgb_grey(1.0f), .first = GATHER_NOTHING};
     for (int i = 0;; i++) {
@@ -65,7 +65,6 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
         }
         struct interaction s;
         const bool hit = scene_intersect(g->scene, &ray, &s);
-        if (hit) light_chain_advance(&chain, s.t);
         if (start->lit) add_met_light(g, start, &chain, ray.d, hit ? &s : NULL, out);
         if (!hit) return false;
         if (i == 0) out->first = (struct gather_first){s.t, s.ng};

@@ -69,7 +69,10 @@ static void walk_path(struct path_tally *tally, const struct satin_scene *scene,
         struct ray ray = scene_spawn(scene, s.p, s.ng, d);
         struct light_chain chain;
         const bool found = guide_seen_follow(scene, &ray, rng, &s, &n, &chain);
-        if (!light_chain_straight(&chain, ray.d)) add_met(tally, scene, &ray, found ? &s : NULL, T);
+        const struct interaction *end = found ? &s : NULL;
+        struct light_connection to;
+        if (!light_chain_direct(&chain, scene, ray.d, end, &to))
+            add_met(tally, scene, &ray, end, T);
         if (!found) return;
         add_direct(tally, scene, &s, n, T, rng);
         struct brdf b;

@@ -64,7 +64,7 @@ static void make_boxes(struct cloud *cloud, struct light_target *box) {
 
 bool guide_seen_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
                        struct interaction *s, vec3 *n, struct light_chain *chain) {
-    *chain = light_chain_begin(ray->d);
+    *chain = light_chain_begin(ray);
     for (int i = 0; i < SPECULAR_MAX; i++) {
         struct brdf b;
         struct frame frame;

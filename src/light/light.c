@@ -19,7 +19,7 @@ static void darken_if_hidden(const struct satin_scene *scene, struct light *ligh
 
 satin_status light_prepare(struct satin_scene *scene, struct log log) {
     scene->light_cdf = NULL;
-    scene->panes = light_has_panes(scene);
+    light_find_panes(scene);
     if (scene->light_count == 0) return SATIN_OK;
     float *power = arena_array(&scene->arena, scene->light_count, sizeof *power);
     float *cdf = arena_array(&scene->arena, (size_t)scene->light_count + 1, sizeof *cdf);

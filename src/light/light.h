@@ -76,6 +76,13 @@ static inline bool light_is_delta(const struct light *light) {
            light->kind != LIGHT_ENVMAP;
 }
 
+// Whether its light comes from points at finite distances, rather than from one direction or from
+// infinity.
+static inline bool light_is_local(const struct light *light) {
+    return light->kind == LIGHT_AREA || light->kind == LIGHT_POINT || light->kind == LIGHT_SPOT ||
+           light->kind == LIGHT_PROJECTOR;
+}
+
 // ---- Sampling (light.c) -------------------------------------------------------------------------
 
 struct light_sample {

@@ -35,7 +35,8 @@ static float stored_power(const struct emission_tracing *t, size_t path, const f
     struct rng rng = rng_make(t->request->options->seed, RNG_EMISSION, path);
     const struct photon_path photon = {.ray = start.ray,
                                        .power = start.power,
-                                       .chain = light_chain_begin(start.ray.d),
+                                       .light = light,
+                                       .chain = light_chain_begin(&start.ray),
                                        .classes = {1 << PHOTON_CAUSTIC},
                                        .wanted = 1 << PHOTON_CAUSTIC,
                                        .factor = {1.0f}};

@@ -30,11 +30,14 @@ static bool is_valid_hit(const struct photon_hit *hit) {
            fminf(hit->power.r, fminf(hit->power.g, hit->power.b)) >= 0.0f;
 }
 
-// A direct photon that glass has deflected is a caustic one.
-static enum photon_class class_of(const struct photon_path *photon) {
-    const bool deflected =
-        photon->class == PHOTON_DIRECT && !light_chain_straight(&photon->chain, photon->ray.d);
-    return deflected ? PHOTON_CAUSTIC : photon->class;
+// The class of a photon that hits s. It is a caustic one if a chain brings it that light samples at
+// s do not find.
+static enum photon_class class_at(const struct satin_scene *scene, const struct photon_path *photon,
+                                  const struct interaction *s) {
+    if (photon->class != PHOTON_DIRECT) return photon->class;
+    const bool direct =
+        light_chain_brings_direct(&photon->chain, scene, photon->light, photon->ray.d, s);
+    return direct ? PHOTON_DIRECT : PHOTON_CAUSTIC;
 }
 
 // See photon_hit; n is the geometric normal on the side of wi. The shading normal is that of a
@@ -61,12 +64,12 @@ static int8_t tilt_by_normal(const struct satin_scene *scene, const struct inter
 // Where a mask lets some photons pass, the others represent all that would hit a surface without
 // holes.
 static bool store_photon(const struct satin_scene *scene, struct photon_chunk *chunk,
-                         const struct interaction *s, const struct photon_path *photon) {
+                         const struct interaction *s, const struct photon_path *photon,
+                         enum photon_class class) {
     const vec3 wi = v3_neg(photon->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
     const struct texture_lookup at = scene_interaction_texture_lookup(scene, s);
     const struct material *material = &scene->material[s->material];
     const float opacity = s->light < 0 ? scene_opacity_material(material, &at) : 1.0f;
-    const enum photon_class class = class_of(photon);
     struct photon_hit hit = {.p = s->p,
                              .wi = photon_pack(wi),
                              .n = photon_pack(n),
@@ -171,9 +174,12 @@ static bool arrive(const struct photon_walk *walk, struct photon_path *photon, i
     photon->bounces = (uint8_t)(bounce < PHOTON_BOUNCES_MOST ? bounce : PHOTON_BOUNCES_MOST);
     photon->last = bounce == walk->bounces;
     const vec3 wi = v3_neg(photon->ray.d);
-    if (photon->wanted >> class_of(photon) & 1u && stores_photons(walk->scene, s, wi) &&
-        !store_photon(walk->scene, walk->chunk, s, photon))
-        return false;
+    if (stores_photons(walk->scene, s, wi)) {
+        const enum photon_class class = class_at(walk->scene, photon, s);
+        if (photon->wanted >> class & 1u &&
+            !store_photon(walk->scene, walk->chunk, s, photon, class))
+            return false;
+    }
     if (photon_surface_make(walk->scene, s, wi, at)) return true;
     walk->power->absorbed += luminous(photon);
     return false;

@@ -29,7 +29,7 @@ struct photon_path {
     uint8_t bounces;  // these as in photon_hit
     bool last;
     uint8_t path;
-    enum photon_class class;             // direct, unless a chain deflects it: see class_of
+    enum photon_class class;             // direct, unless a chain deflects it: see class_at
     struct light_chain chain;            // of a direct photon
     unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets from this path
     unsigned wanted;                     // classes that any of them gets

@@ -103,7 +103,7 @@ static bool start_path(const struct run *run, uint32_t light, uint64_t index,
     *photon = (struct photon_path){.ray = start.ray,
                                    .power = rgb_scale(start.power, factor / paths),
                                    .light = light,
-                                   .chain = light_chain_begin(start.ray.d)};
+                                   .chain = light_chain_begin(&start.ray)};
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (index >= run->paths[k][light]) continue;
         photon->classes[k] = tracing->consumer[k].classes;

@@ -242,6 +242,7 @@ struct shape {
     vec3 lo, hi;           // instance (by scene_trace_build) and curves: bounds
     bool flip_normals;     // already applied to the normals of meshes and of surface interactions
     bool face_normals;
+    bool deflects_little;  // curved glass that deflects most light only a little: see light_pane.h
     uint32_t material;
     int32_t light;          // index of its area light or -1
     float area;             // world space
@@ -396,10 +397,12 @@ vec3 scene_origin_shift(const struct satin_scene *scene, const struct interactio
 // / length]; 0: a plane. Of curves, the rate around the tube where the segment begins. An instance
 // counts with the mean of its scales. INFINITY where points with different normals coincide.
 float scene_curvature(const struct satin_scene *scene, const struct interaction *s);
+// The change of the shading normal s->frame.n, without bump and normal maps, per displacement dp
+// along the surface at s. Of triangles and spheres outside of instances; else 0.
+vec3 scene_normal_change(const struct satin_scene *scene, const struct interaction *s, vec3 dp);
 
 // A ray that leaves a surface point in direction d. Its origin is moved off the surface, to the
-// side of d, by a bound of the rounding error there, so that it does not hit the surface that it
-// leaves.
+// side of d, by a bound of the rounding error there, so that it does not hit that surface.
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d);
 // A ray as by scene_spawn towards the point q, which ends just before q. nq is the normal of the
 // surface at q, or zero if q is not on a surface.

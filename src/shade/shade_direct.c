@@ -22,7 +22,7 @@ static rgb find_light(const struct shade_lighting *lighting, unsigned lobes, flo
     struct light_found found;
     if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, panes, &found)) return none;
     const struct interaction *hit = found.environment ? NULL : &found.hit;
-    const float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, hit);
+    const float light_pdf = gather_light_pdf(g, p->interaction.p, &found.connection, hit);
     return rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf));
 }
 

@@ -61,8 +61,8 @@ static void light_is_weighted_at_the_start_of_a_ray(void **state) {
         gather_rays(&g, scratch, &ray, 1, 0);
         assert_true(ray.ray.o.z > border[1]);
         assert_true(rgb_luminance(ray.Le) > 0.0f);
-        const struct light_chain chain = light_chain_begin(up);
-        assert_true(ray.light_pdf == gather_light_pdf(&g, p, &chain, NULL));
+        const struct light_connection to = {.d = up, .exit = up, .spread = 1.0f};
+        assert_true(ray.light_pdf == gather_light_pdf(&g, p, &to, NULL));
         // A sky and a lamp that light p equally would get half of the samples each.
         assert_true(i == 0 ? ray.light_pdf > 0.4f / PI_F * 0.5f : ray.light_pdf < 0.05f / PI_F);
         free(visibility);

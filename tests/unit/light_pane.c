@@ -163,18 +163,16 @@ static void distances_are_those_of_a_slab(void **state) {
         const double a = (i + 0.5) * M_PI / 18.0, step = 1e-4;
         struct light_found found;
         assert_true(light_find(&t.scene, v3(0, 0, 0), v3(0, 0, 1), inclined(a), 2, &found));
-        assert_true(!found.environment && found.hit.light == 0 && found.chain.crossed == 2);
+        assert_true(!found.environment && found.hit.light == 0);
+        assert_true(found.connection.crossed == 2);
         // A bundle of rays that rotates by dphi about the axis is x dphi wide, one by da is cos a
         // dx.
         const double x = beside(a, 0.3),
                      dx = (beside(a + step, 0.3) - beside(a - step, 0.3)) / (2.0 * step);
         assert_true(fabs((double)found.hit.p.x - x) < 1e-4);
-        assert_true(fabs((double)found.chain.sagittal * sin(a) / x - 1.0) < 1e-4);
-        assert_true(fabs((double)found.chain.tangential / (cos(a) * dx) - 1.0) < 1e-4);
-        // The other density is that of a point from which the lamp's point lies along the ray.
-        const vec3 from = light_chain_beside(&found.chain, v3(0, 0, 0), found.hit.p);
-        const vec3 d = v3_unit(v3_sub(found.hit.p, from));
-        assert_true(v3_dist2(d, inclined(a)) < 1e-10f);
+        const double section = x / sin(a) * cos(a) * dx, distance2 = x * x + 1.0;
+        assert_true(fabs((double)found.connection.spread * distance2 / section - 1.0) < 1e-4);
+        assert_true(v3_dist2(found.connection.d, inclined(a)) < 1e-8f);
     }
     test_scene_free(&t);
 }
@@ -227,10 +225,7 @@ static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
             ++*wrong;
             continue;
         }
-        const vec3 from = light_chain_beside(&found.chain, p, found.hit.p);
-        const float reported =
-            light_chain_density(&found.chain, sqrtf(v3_dist2(from, found.hit.p))) *
-            light_pdf(scene, from, s.wi, &found.hit);
+        const float reported = light_connection_pdf(scene, p, &found.connection, &found.hit);
         *wrong += !(fabsf(reported - s.pdf_w) < 1e-2f * s.pdf_w);
     }
     return sum / (LIGHT_SIDE * LIGHT_SIDE);
@@ -311,6 +306,64 @@ static void frames_hide_little(void **state) {
     test_scene_free(&t);
 }
 
+// ---- Curved glass -------------------------------------------------------------------------------
+
+enum { BALL, BULB, BULB_WITH_THICK_GLASS };
+
+// A ball that glows, beside the middle of a ball of glass or of a hollow one, over the origin.
+static void glass_ball(struct test_scene *t, int kind) {
+    test_scene_init(t);
+    const uint32_t clear = light_pane_glass(t), grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    const vec3 middle = v3(0.1f, 0, 1);
+    const float inside = kind == BULB ? 0.29f : 0.15f;
+    const uint32_t lamp =
+        test_quadric(t, SHAPE_SPHERE,
+                     test_transform(v3(0.15f, 0.02f, 1.05f), v3(0.06f, 0.06f, 0.06f)), false, grey);
+    test_quadric(t, SHAPE_SPHERE, test_transform(middle, v3(0.3f, 0.3f, 0.3f)), false, clear);
+    if (kind != BALL)
+        test_quadric(t, SHAPE_SPHERE, test_transform(middle, v3(inside, inside, inside)), true,
+                     clear);
+    test_area_light(t, lamp, rgb_grey(1.0f));
+    test_scene_finish(t);
+}
+
+// Light that the directions find arrives by refraction; that which light samples do not find is
+// left to caustics.
+static void bulbs_bring_what_directions_find(void **state) {
+    (void)state;
+    struct test_scene t;
+    glass_ball(&t, BULB);
+    assert_true(t.scene.panes && t.scene.shape[1].deflects_little &&
+                t.scene.shape[2].deflects_little);
+    int wrong = 0;
+    const double sampled = by_samples(&t.scene, v3(0, 0, 0), &wrong);
+    const double found = by_directions(&t.scene, v3(0, 0, 0), 1000);
+    // Without the glass, and with the two surfaces' Fresnel loss at normal incidence.
+    const double sine2 = 0.06 * 0.06 / (0.15 * 0.15 + 0.02 * 0.02 + 1.05 * 1.05);
+    const double cosine = 1.05 / sqrt(0.15 * 0.15 + 0.02 * 0.02 + 1.05 * 1.05);
+    const double alone = M_PI * sine2 * cosine * light_pane_transmitted(0.0);
+    print_message("bulb: %.6f by samples, %+.2f %%, %d densities differ; %.6f\n", sampled,
+                  100.0 * (sampled / found - 1.0), wrong, alone);
+    assert_true(fabs(sampled / found - 1.0) < 0.005);
+    assert_true(wrong <= LIGHT_SIDE * LIGHT_SIDE / 100);
+    assert_true(fabs(sampled / alone - 1.0) < 0.05);
+    test_scene_free(&t);
+}
+
+static void what_deflects_light_is_no_pane(void **state) {
+    (void)state;
+    static const int kind[] = {BALL, BULB_WITH_THICK_GLASS};
+    for (int i = 0; i < 2; i++) {
+        struct test_scene t;
+        glass_ball(&t, kind[i]);
+        struct light_sample s;
+        assert_false(t.scene.panes);
+        assert_true(light_sample_wi(&t.scene, 0, v3(0, 0, 0), 0.5f, 0.5f, &s));
+        assert_false(light_arrives(&t.scene, v3(0, 0, 0), v3(0, 0, 1), 8, &s));
+        test_scene_free(&t);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(panes_transmit_by_fresnel),
@@ -322,6 +375,8 @@ int main(void) {
         cmocka_unit_test(points_of_light_are_found),
         cmocka_unit_test(lamps_bring_what_directions_find),
         cmocka_unit_test(frames_hide_little),
+        cmocka_unit_test(bulbs_bring_what_directions_find),
+        cmocka_unit_test(what_deflects_light_is_no_pane),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
