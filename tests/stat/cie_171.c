@@ -21,7 +21,7 @@ struct cie_method {
     const char *integrator, *first_pass, *final_gather;
     int bounces;       // number of indirect bounces; < 0: all
     bool approximate;  // whether the bound is CIE_BOUND_LAST
-    int seeds;  // number of images whose mean is taken: 8 where one has a noise of .3 to .5 %
+    int seeds;  // number of images whose mean is taken: 8 where one has a noise of .25 to .5 %
 };
 
 // The illuminance of the wall in the image [lx].
@@ -60,7 +60,7 @@ int main(int argc, char **argv) {
                                                {"two-pass", "reverse", "off", -1, true, 1},
                                                {"two-pass", "path", "off", -1, false, 8},
                                                {"two-pass", "recursive", "off", -1, true, 8},
-                                               {"path", "none", "on", -1, false, 1},
+                                               {"path", "none", "on", -1, false, 8},
                                                {"photons", "none", "on", -1, true, 1},
                                                {"sppm", "none", "on", -1, false, 1}};
     static const char *const reflectance[] = {"0.2", "0.5", "0.8"};
