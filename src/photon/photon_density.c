@@ -184,9 +184,9 @@ rgb photon_disc_last(const struct photon_disc *disc) {
     rgb E = rgb_grey(0.0f);
     for (int i = 0; i < disc->count; i++) {
         const float weight = photon_disc_weight(disc, i);
+        if (!(weight > 0.0f)) continue;
         const struct photon *photon = &disc->map->photon[disc->row[i]];
-        if (weight > 0.0f && photon->last)
-            E = rgb_mad(E, photon->power, weight * photon_unpack_tilt(photon->tilt));
+        if (photon->last) E = rgb_mad(E, photon->power, weight * photon_unpack_tilt(photon->tilt));
     }
     return E;
 }
@@ -199,9 +199,10 @@ float photon_disc_clear(const struct photon_disc *disc) {
 float photon_disc_variance(const struct photon_disc *disc) {
     float sum = 0.0f;
     for (int i = 0; i < disc->count; i++) {
+        const float in_disc = photon_disc_weight(disc, i);
+        if (!(in_disc > 0.0f)) continue;
         const struct photon *photon = &disc->map->photon[disc->row[i]];
-        const float weight = photon_disc_weight(disc, i) * photon_unpack_tilt(photon->tilt);
-        if (!(weight > 0.0f)) continue;
+        const float weight = in_disc * photon_unpack_tilt(photon->tilt);
         const rgb c = photon->power;
         const float together = 1.0f + (float)photon->copies;
         sum += together * weight * weight * (c.r * c.r + c.g * c.g + c.b * c.b);
