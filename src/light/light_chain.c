@@ -24,6 +24,14 @@ static bool is_straight(const struct light_chain *chain, vec3 d) {
     return chain->transmits && !chain->curved && light_is_parallel(chain->d, d);
 }
 
+// Whether a connection between p and q begins along d, as far as the rounding of positions shows.
+static bool is_same_path(const struct satin_scene *scene, const struct light_connection *found,
+                         vec3 d, vec3 p, vec3 q) {
+    const float rounding = scene_rounding(scene, p) + scene_rounding(scene, q);
+    const float most = PARALLEL + 8.0f * rounding / sqrtf(v3_dist2(p, q));
+    return v3_dist2(found->d, d) < sqrf(most);
+}
+
 bool light_chain_direct(const struct light_chain *chain, const struct satin_scene *scene, vec3 d,
                         const struct interaction *hit, struct light_connection *out) {
     *out = (struct light_connection){
@@ -33,8 +41,8 @@ bool light_chain_direct(const struct light_chain *chain, const struct satin_scen
     if (!hit) return is_straight(chain, d);
     if (hit->light < 0) return false;
     const struct light_end end = {hit->p, (uint32_t)hit->light};
-    return light_connect(scene, chain->o, &end, PANES_MAX, NULL, out) &&
-           light_is_parallel(out->d, chain->d);
+    return light_connect(scene, chain->o, &end, NULL, out) &&
+           is_same_path(scene, out, chain->d, chain->o, hit->p);
 }
 
 bool light_chain_brings_direct(const struct light_chain *chain, const struct satin_scene *scene,
@@ -45,9 +53,8 @@ bool light_chain_brings_direct(const struct light_chain *chain, const struct sat
     const vec3 back = v3_neg(d);
     const struct light_end end = {chain->o, light};
     struct light_connection found;
-    return light_connect(scene, scene_spawn(scene, s->p, s->ng, back).o, &end, PANES_MAX, NULL,
-                         &found) &&
-           light_is_parallel(found.d, back);
+    return light_connect(scene, scene_spawn(scene, s->p, s->ng, back).o, &end, NULL, &found) &&
+           is_same_path(scene, &found, back, s->p, chain->o);
 }
 
 rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scene *scene,

@@ -2,6 +2,9 @@
 // Mesh lights of many triangles: from any point at most half of a closed one is visible, such as of
 // the filament of a bulb. For each of some directions from the light, the triangles have a
 // distribution by how much of their area faces it.
+#include <stdlib.h>
+
+#include "base/array.h"
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -9,8 +12,8 @@ enum {
     SIDE = 2,  // each side of a cube of directions has 2 x 2 sectors
     SECTORS = 6 * SIDE * SIDE,
     DIRECTIONS = 4,  // along each edge of a sector: directions for which the facing is averaged
-    // A bound of memory alone, 13 MB: the largest number of triangles times that of lights.
-    TRIANGLES_MOST = 1 << 17
+    // A bound of memory, 6 MB, and of .1 s: the largest number of triangles times that of lights.
+    TRIANGLES_MOST = 1 << 16
 };
 // Points that are nearer than so many radii of the light see its parts in too different directions.
 static const float FAR = 3.0f;
@@ -37,14 +40,24 @@ static vec3 sector_direction(int sector, float s, float t) {
     return v3_unit(v3(w[0], w[1], w[2]));
 }
 
+// The directions of all sectors.
+struct facing_directions {
+    vec3 w[SECTORS][DIRECTIONS * DIRECTIONS];
+};
+
+static void make_directions(struct facing_directions *out) {
+    for (int sector = 0; sector < SECTORS; sector++)
+        for (int i = 0; i < DIRECTIONS * DIRECTIONS; i++)
+            out->w[sector][i] =
+                sector_direction(sector, ((float)(i % DIRECTIONS) + 0.5f) / DIRECTIONS,
+                                 ((float)(i / DIRECTIONS) + 0.5f) / DIRECTIONS);
+}
+
 // The mean of what a triangle of a normal shows to the directions of a sector.
-static float facing(vec3 n, int sector) {
+static float facing(const struct facing_directions *all, vec3 n, int sector) {
     float sum = 0.0f;
-    for (int i = 0; i < DIRECTIONS * DIRECTIONS; i++) {
-        const float s = ((float)(i % DIRECTIONS) + 0.5f) / DIRECTIONS,
-                    t = ((float)(i / DIRECTIONS) + 0.5f) / DIRECTIONS;
-        sum += fmaxf(v3_dot(n, sector_direction(sector, s, t)), 0.0f);
-    }
+    for (int i = 0; i < DIRECTIONS * DIRECTIONS; i++)
+        sum += maxf(v3_dot(n, all->w[sector][i]), 0.0f);
     return sum / (DIRECTIONS * DIRECTIONS);
 }
 
@@ -52,20 +65,22 @@ satin_status light_facing_build(struct satin_scene *scene, struct light *light) 
     const struct shape *shape = &scene->shape[light->shape];
     const size_t n = shape->mesh.triangle_count;
     if (n * scene->light_count > TRIANGLES_MOST) return SATIN_OK;
-    float *weight = arena_array(&scene->arena, n, sizeof *weight);
+    float *weight = array_new_unset(SECTORS * n, sizeof *weight);
     float *cdf = arena_array(&scene->arena, SECTORS * (n + 1), sizeof *cdf);
-    if (!weight || !cdf) return SATIN_ERROR_MEMORY;
-    for (int sector = 0; sector < SECTORS; sector++) {
-        for (size_t i = 0; i < n; i++) {
-            const vec3 n2 = light_triangle_normal(shape, (uint32_t)i);
-            const float area2 = v3_len_wide(n2);
-            const vec3 normal = v3_mul(n2, area2 > 0.0f ? 1.0f / area2 : 0.0f);
-            weight[i] = area2 * (facing(normal, sector) + FACING_LEAST);
-        }
-        sample_cdf_build(weight, n, cdf + (size_t)sector * (n + 1));
+    struct facing_directions all;
+    make_directions(&all);
+    for (size_t i = 0; i < n && weight && cdf; i++) {
+        const vec3 n2 = light_triangle_normal(shape, (uint32_t)i);
+        const float area2 = v3_len_wide(n2);
+        const vec3 normal = v3_mul(n2, area2 > 0.0f ? 1.0f / area2 : 0.0f);
+        for (int sector = 0; sector < SECTORS; sector++)
+            weight[(size_t)sector * n + i] = area2 * (facing(&all, normal, sector) + FACING_LEAST);
     }
-    light->facing_cdf = cdf;
-    return SATIN_OK;
+    for (size_t sector = 0; sector < SECTORS && weight && cdf; sector++)
+        sample_cdf_build(weight + sector * n, n, cdf + sector * (n + 1));
+    light->facing_cdf = weight ? cdf : NULL;
+    free(weight);
+    return light->facing_cdf ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
 const float *light_facing_cdf(const struct light *light, const struct shape *shape, vec3 p) {

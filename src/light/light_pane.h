@@ -27,10 +27,10 @@ struct light_end {
     vec3 p;
     uint32_t light;  // index of the light
 };
-// Finds the path from o, which is on no surface, that passes at least one and at most `panes`
-// surfaces of panes. `first`, if not NULL, is the first hit of the straight ray. False, with *out
-// undefined, if the search fails, though there may be a path.
-bool light_connect(const struct satin_scene *scene, vec3 o, const struct light_end *to, int panes,
+// Finds the path from o, which is on no surface, that passes at least one surface of a pane.
+// `first`, if not NULL, is the first hit of the straight ray. False, with *out undefined, if the
+// search fails, though there may be a path.
+bool light_connect(const struct satin_scene *scene, vec3 o, const struct light_end *to,
                    const struct interaction *first, struct light_connection *out);
 // The density over solid angle at p with which a light sample is drawn whose connection ends at
 // `hit`, on a light; the connection is a straight line if it has not crossed a surface.

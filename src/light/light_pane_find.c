@@ -2,6 +2,7 @@
 // Finds the shapes of a scene that are panes: flat or thin sheets of clear glass, and curved glass
 // that deflects little, by trial rays.
 #include "base/sampling.h"
+#include "light/light_kinds.h"
 #include "light/light_pane_ray.h"
 
 // Rays per curved shape, of which about .82 deflect little in the glass of bulbs, .04 in the rods
@@ -34,45 +35,57 @@ static bool is_curved_somewhere(const struct mesh *mesh) {
 
 // ---- Trials -------------------------------------------------------------------------------------
 
-// A surface point and its normal on the front side.
+// A point of a shape and its normal on the outside of the glass.
 struct trial_point {
+    const struct shape *shape;
     vec3 p, n;
 };
 
-static struct trial_point triangle_middle(const struct mesh *mesh, uint32_t i) {
+// The factor of a normal on the front side, which is inside the glass if the IOR of the other side
+// is the lower one: so the inner surface of a bulb may be modelled.
+static float outside(const struct satin_scene *scene, const struct shape *shape) {
+    return scene->material[shape->material].front.base.ior < 1.0f ? -1.0f : 1.0f;
+}
+
+// The length of n is twice the area.
+static struct trial_point triangle_middle(const struct shape *shape, uint32_t i) {
+    const struct mesh *mesh = &shape->mesh;
     const uint32_t *index = mesh->index + 3 * (size_t)i;
     const vec3 a = scene_mesh_vertex(mesh, index[0]), b = scene_mesh_vertex(mesh, index[1]),
                c = scene_mesh_vertex(mesh, index[2]);
-    return (struct trial_point){v3_mul(v3_add(a, v3_add(b, c)), 1.0f / 3.0f),
-                                v3_cross(v3_sub(b, a), v3_sub(c, a))};
+    return (struct trial_point){shape, v3_mul(v3_add(a, v3_add(b, c)), 1.0f / 3.0f),
+                                light_triangle_normal(shape, i)};
 }
 
-// Whether the ray towards a point of clear glass leaves the glass, and in nearly the same
-// direction.
-static bool deflects_little(const struct satin_scene *scene, vec3 o, vec3 d) {
-    struct pane_ray ray = light_pane_ray_begin(scene, o, d, PANES_MAX);
+// Whether a ray from there, onto the glass, leaves it in nearly the same direction.
+static bool deflects_little(const struct satin_scene *scene, struct trial_point at, vec3 from) {
+    const vec3 d = v3_neg(from);
+    struct pane_ray ray =
+        light_pane_ray_begin(scene, scene_spawn(scene, at.p, at.n, from).o, d, PANES_MAX);
     struct interaction s;
     do {
-        if (!scene_intersect(scene, &ray.ray, &s) || !light_pane_ray_pass(&ray, &s)) return false;
+        if (!scene_intersect(scene, &ray.ray, &s)) return false;
+        // Shapes that only instances show are hit elsewhere.
+        if (ray.crossed == 0 && &scene->shape[s.shape] != at.shape) return false;
+        if (s.instance || !light_pane_ray_pass(&ray, &s)) return false;
     } while (!light_pane_ray_is_outside(&ray));
     return v3_dist2(ray.ray.d, d) < sqrf(LITTLE);
 }
 
 static int trial(const struct satin_scene *scene, struct trial_point at, uint32_t i) {
     const vec2 u = sample_sobol2(i, 0);
-    const struct frame frame = frame_from_normal(v3_unit(at.n));
-    const vec3 wo = frame_to_world(&frame, sample_cosine_hemisphere(u.x, u.y));
-    const struct ray away = scene_spawn(scene, at.p, frame.n, wo);
-    return deflects_little(scene, away.o, v3_neg(wo));
+    at.n = v3_mul(v3_unit(at.n), outside(scene, at.shape));
+    const struct frame frame = frame_from_normal(at.n);
+    return deflects_little(scene, at, frame_to_world(&frame, sample_cosine_hemisphere(u.x, u.y)));
 }
 
-static int mesh_trials(const struct satin_scene *scene, const struct mesh *mesh, int trials) {
+static int mesh_trials(const struct satin_scene *scene, const struct shape *shape, int trials) {
+    const uint32_t triangles = shape->mesh.triangle_count;
     double area = 0.0, sum = 0.0;
     int little = 0, k = 0;
-    for (uint32_t i = 0; i < mesh->triangle_count; i++)
-        area += (double)v3_len(triangle_middle(mesh, i).n);
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        const struct trial_point at = triangle_middle(mesh, i);
+    for (uint32_t i = 0; i < triangles; i++) area += (double)v3_len(triangle_middle(shape, i).n);
+    for (uint32_t i = 0; i < triangles; i++) {
+        const struct trial_point at = triangle_middle(shape, i);
         sum += (double)v3_len(at.n);
         for (; k < trials && ((double)k + 0.5) * area < trials * sum; k++)
             little += trial(scene, at, (uint32_t)k);
@@ -85,7 +98,7 @@ static int sphere_trials(const struct satin_scene *scene, const struct shape *sh
     for (int k = 0; k < trials; k++) {
         const vec2 u = sample_sobol2((uint32_t)k, 1);
         const vec3 outward = sample_uniform_sphere(u.x, u.y);
-        const struct trial_point at = {v3_mad(shape->centre, shape->radius, outward),
+        const struct trial_point at = {shape, v3_mad(shape->centre, shape->radius, outward),
                                        shape->flip_normals ? v3_neg(outward) : outward};
         little += trial(scene, at, (uint32_t)k);
     }
@@ -95,7 +108,7 @@ static int sphere_trials(const struct satin_scene *scene, const struct shape *sh
 // Whether at least half of the trials, distributed evenly over the area, deflect little.
 static bool passes(const struct satin_scene *scene, const struct shape *shape) {
     for (int trials = FIRST_TRIALS;; trials = TRIALS) {
-        const int little = shape->kind == SHAPE_MESH ? mesh_trials(scene, &shape->mesh, trials)
+        const int little = shape->kind == SHAPE_MESH ? mesh_trials(scene, shape, trials)
                                                      : sphere_trials(scene, shape, trials);
         if (trials == TRIALS) return 2 * little >= TRIALS;
         if (little == 0) return false;

@@ -387,12 +387,10 @@ bool scene_surface(const struct satin_scene *scene, const struct ray *ray, vec3 
 // The distance of the nearest hit, or INFINITY if there is none. Faster than scene_intersect.
 float scene_distance(const struct satin_scene *scene, const struct ray *ray);
 bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
-
 // Moves a surface point at least `margin` away from the edges of its triangle, or towards the
 // centre of a triangle that is too small for that, by no more than `margin`. Points of other shapes
 // are not moved.
 vec3 scene_origin_shift(const struct satin_scene *scene, const struct interaction *s, float margin);
-
 // The angle by which the normal rotates per length along the surface at s, where that is largest [1
 // / length]; 0: a plane. Of curves, the rate around the tube where the segment begins. An instance
 // counts with the mean of its scales. INFINITY where points with different normals coincide.
@@ -401,8 +399,10 @@ float scene_curvature(const struct satin_scene *scene, const struct interaction 
 // along the surface at s. Of triangles and spheres outside of instances; else 0.
 vec3 scene_normal_change(const struct satin_scene *scene, const struct interaction *s, vec3 dp);
 
+// A bound of the distance between a surface point p, in float, and its surface.
+float scene_rounding(const struct satin_scene *scene, vec3 p);
 // A ray that leaves a surface point in direction d. Its origin is moved off the surface, to the
-// side of d, by a bound of the rounding error there, so that it does not hit that surface.
+// side of d, by that bound, so that it does not hit that surface.
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d);
 // A ray as by scene_spawn towards the point q, which ends just before q. nq is the normal of the
 // surface at q, or zero if q is not on a surface.

@@ -70,6 +70,7 @@ static vec3 mesh_rotation(const struct mesh *mesh, const struct interaction *s, 
 
 vec3 scene_normal_change(const struct satin_scene *scene, const struct interaction *s, vec3 dp) {
     const struct shape *shape = &scene->shape[s->shape];
+    if (s->instance) return v3(0, 0, 0);
     if (shape->kind == SHAPE_MESH) return mesh_rotation(&shape->mesh, s, s->frame.n, dp);
     if (shape->kind != SHAPE_SPHERE) return v3(0, 0, 0);
     const float outward = v3_dot(v3_sub(s->p, shape->centre), s->frame.n);

@@ -175,6 +175,10 @@ vec3 scene_origin_shift(const struct satin_scene *scene, const struct interactio
     return length > margin ? v3_mad(s->p, margin / length, offset) : v3_add(s->p, offset);
 }
 
+float scene_rounding(const struct satin_scene *scene, vec3 p) {
+    return scene_interaction_offset(scene, p);
+}
+
 static vec3 leave_surface(vec3 p, vec3 ng, vec3 d, float offset) {
     double side = (double)ng.x * d.x + (double)ng.y * d.y + (double)ng.z * d.z;
     return v3_mad(p, side < 0.0 ? -offset : offset, ng);

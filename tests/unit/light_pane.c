@@ -306,33 +306,70 @@ static void frames_hide_little(void **state) {
     test_scene_free(&t);
 }
 
+// The irradiance below a pane and a lamp, of one or two sheets, at (at, at, 0).
+static double below_sheets(float at, int sheets) {
+    static const uint32_t index[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    float corner[3 * 8 + 1];
+    for (int i = 0; i < 8; i++) {
+        corner[3 * i] = at + (i % 4 == 2 || i % 4 == 3 ? 0.3f : -0.3f);
+        corner[3 * i + 1] = at + (i % 4 == 1 || i % 4 == 2 ? 0.2f : -0.2f);
+        corner[3 * i + 2] = i < 4 ? 1.0f : 1.001f;
+    }
+    struct test_scene t;
+    test_scene_init(&t);
+    const struct mat4 to = test_transform(v3(at, at, 0.5f), v3(4, 4, 0.0025f));
+    test_cube(&t, to, false, light_pane_glass(&t));
+    struct shape s = {.kind = SHAPE_MESH, .material = test_diffuse(&t, 0, 0, 0)};
+    s.mesh = (struct mesh){
+        (uint32_t)(4 * sheets), (uint32_t)(2 * sheets), corner, NULL, NULL, index, NULL, 0};
+    test_area_light(&t, test_add_shape(&t, s), rgb_grey(1.0f));
+    test_scene_finish(&t);
+    int wrong = 0;
+    const double E = by_samples(&t.scene, v3(at, at, 0), &wrong);
+    test_scene_free(&t);
+    return E;
+}
+
+// A sheet a thousandth behind another one is hidden, and nothing is lost far from the origin, where
+// positions are rounded to 1e-5.
+static void lamps_hide_themselves(void **state) {
+    (void)state;
+    const double one = below_sheets(0.0f, 1), two = below_sheets(0.0f, 2);
+    const double far = below_sheets(100.0f, 1);
+    print_message("one sheet %.5f, a second behind it %+.2f %%, far away %+.2f %%\n", one,
+                  100.0 * (two / one - 1.0), 100.0 * (far / one - 1.0));
+    assert_true(one > 0.05 && fabs(two / one - 1.0) < 0.005 && fabs(far / one - 1.0) < 0.005);
+}
+
 // ---- Curved glass -------------------------------------------------------------------------------
 
-enum { BALL, BULB, BULB_WITH_THICK_GLASS };
+enum { BALL, BULB, BULB_INSIDE_OUT, BULB_WITH_THICK_GLASS };
 
 // A ball that glows, beside the middle of a ball of glass or of a hollow one, over the origin.
 static void glass_ball(struct test_scene *t, int kind) {
     test_scene_init(t);
     const uint32_t clear = light_pane_glass(t), grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
     const vec3 middle = v3(0.1f, 0, 1);
-    const float inside = kind == BULB ? 0.29f : 0.15f;
+    const float inside = kind == BULB_WITH_THICK_GLASS ? 0.15f : 0.29f;
     const uint32_t lamp =
         test_quadric(t, SHAPE_SPHERE,
                      test_transform(v3(0.15f, 0.02f, 1.05f), v3(0.06f, 0.06f, 0.06f)), false, grey);
     test_quadric(t, SHAPE_SPHERE, test_transform(middle, v3(0.3f, 0.3f, 0.3f)), false, clear);
+    // The front of the inner surface may be in the glass.
+    const uint32_t inner = light_pane_glass(t);
+    if (kind == BULB_INSIDE_OUT) t->scene.material[inner].front.base.ior = 1.0f / (float)IOR;
     if (kind != BALL)
-        test_quadric(t, SHAPE_SPHERE, test_transform(middle, v3(inside, inside, inside)), true,
-                     clear);
+        test_quadric(t, SHAPE_SPHERE, test_transform(middle, v3(inside, inside, inside)),
+                     kind != BULB_INSIDE_OUT, inner);
     test_area_light(t, lamp, rgb_grey(1.0f));
     test_scene_finish(t);
 }
 
 // Light that the directions find arrives by refraction; that which light samples do not find is
 // left to caustics.
-static void bulbs_bring_what_directions_find(void **state) {
-    (void)state;
+static void test_bulb(int kind) {
     struct test_scene t;
-    glass_ball(&t, BULB);
+    glass_ball(&t, kind);
     assert_true(t.scene.panes && t.scene.shape[1].deflects_little &&
                 t.scene.shape[2].deflects_little);
     int wrong = 0;
@@ -348,6 +385,12 @@ static void bulbs_bring_what_directions_find(void **state) {
     assert_true(wrong <= LIGHT_SIDE * LIGHT_SIDE / 100);
     assert_true(fabs(sampled / alone - 1.0) < 0.05);
     test_scene_free(&t);
+}
+
+static void bulbs_bring_what_directions_find(void **state) {
+    (void)state;
+    test_bulb(BULB);
+    test_bulb(BULB_INSIDE_OUT);
 }
 
 static void what_deflects_light_is_no_pane(void **state) {
@@ -375,6 +418,7 @@ int main(void) {
         cmocka_unit_test(points_of_light_are_found),
         cmocka_unit_test(lamps_bring_what_directions_find),
         cmocka_unit_test(frames_hide_little),
+        cmocka_unit_test(lamps_hide_themselves),
         cmocka_unit_test(bulbs_bring_what_directions_find),
         cmocka_unit_test(what_deflects_light_is_no_pane),
     };
