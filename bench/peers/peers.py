@@ -155,7 +155,8 @@ class Images:
     def peer(self, peer, name, seconds, seed):
         """The images by one of the peers, without and with denoising; None if it cannot."""
         out = self.folder / f"{peer}-{name}"
-        if not out.with_suffix(".json").exists():
+        about = self.folder / f"{peer}-{name}.json"
+        if not about.exists():
             if peer != "mitsuba" and not (self.folder / "scene.npz").exists():
                 self.worker("export_scene", self.folder / "scene.npz")
             flags = ["--cpu"] * self.options.cpu + ["--setup"] * self.options.setup
@@ -163,7 +164,7 @@ class Images:
                                  str(seed), *flags)
             if failed:
                 return None, {"reason": f"its worker failed: {self.folder / 'log'}"}
-        stats = json.loads(out.with_suffix(".json").read_text(encoding="utf-8"))
+        stats = json.loads(about.read_text(encoding="utf-8"))
         if "reason" in stats:
             return None, stats
         with np.load(str(out) + ".npz") as found:
