@@ -17,7 +17,7 @@ extern "C" {
 enum { SATIN_RANKS_COUNTERS = 2 };
 
 // This process among all of them. Every rank calls satin_render with the same scene and options; in
-// it all ranks call `broadcast` and `any` in the same order, on the thread that called
+// it all ranks call `broadcast`, `exchange` and `any` in the same order, on the thread that called
 // satin_render. The functions do not return before they have succeeded: if one cannot, it ends the
 // process. The struct is owned by the caller and must be valid until satin_render returns.
 typedef struct satin_ranks {
@@ -25,6 +25,9 @@ typedef struct satin_ranks {
     void *user;       // the first argument of all functions
     // Copies `size` bytes at `data` of rank `root` to `data` of all others.
     void (*broadcast)(void *user, int root, void *data, size_t size);
+    // Copies the block of each rank to all others: `blocks` has one of `size` bytes for every rank,
+    // in order, of which this rank has set its own.
+    void (*exchange)(void *user, void *blocks, size_t size);
     // Whether `value` is true on some rank; the same on all. No rank returns before all have
     // called.
     bool (*any)(void *user, bool value);

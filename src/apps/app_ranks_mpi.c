@@ -211,6 +211,17 @@ static void mpi_broadcast(void *user, int root, void *data, size_t size) {
     }
 }
 
+static void mpi_exchange(void *user, void *blocks, size_t size) {
+    struct mpi_state *state = user;
+    if (size > INT_MAX) {
+        for (int rank = 0; rank < state->ranks.count; rank++)
+            mpi_broadcast(user, rank, (char *)blocks + (size_t)rank * size, size);
+        return;
+    }
+    meet_ranks(state);
+    MPI_Allgather(MPI_IN_PLACE, 0, MPI_BYTE, blocks, (int)size, MPI_BYTE, state->comm);
+}
+
 static bool mpi_any(void *user, bool value) {
     struct mpi_state *state = user;
     int own = value, all = 0;
@@ -306,6 +317,7 @@ static const satin_ranks *mpi_begin(const char **problem) {
     }
     state->ranks = (satin_ranks){.user = state,
                                  .broadcast = mpi_broadcast,
+                                 .exchange = mpi_exchange,
                                  .any = mpi_any,
                                  .here = mpi_here,
                                  .fetch_add = mpi_fetch_add,

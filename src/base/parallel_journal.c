@@ -37,7 +37,8 @@ static bool read_entry(const struct results_loop *loop, bool *last) {
     found = parallel_broadcast(loop->pool, found, &bytes);
     *last = parallel_broadcast(loop->pool, entry.last, &(struct bytes){0});
     if (found && division->status == SATIN_OK)
-        division->status = parallel_unpack_chunks(loop, &bytes);
+        division->status =
+            parallel_unpack_chunks(loop, &(struct bytes_reader){bytes.data, bytes.count, false});
     bytes_free(&bytes);
     for (size_t i = 0; found && i < loop->chunks; i++)
         if (loop->state[i] == CHUNK_DONE) loop->state[i] = CHUNK_WRITTEN;

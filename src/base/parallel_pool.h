@@ -104,7 +104,7 @@ struct results_loop {
 void parallel_pack_chunk(const struct results_loop *loop, size_t chunk, struct bytes *out);
 // Takes the results of chunks with rising indices. SATIN_ERROR_INPUT if the bytes are not results
 // of the loop, or if it has some of them; SATIN_ERROR_MEMORY.
-satin_status parallel_unpack_chunks(const struct results_loop *loop, const struct bytes *bytes);
+satin_status parallel_unpack_chunks(const struct results_loop *loop, struct bytes_reader *in);
 
 // ---- The journal (parallel_journal.c) -----------------------------------------------------------
 

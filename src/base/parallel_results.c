@@ -5,7 +5,7 @@
 //
 // Ranks take ranges of chunks from a counter that they have in common, which are the smaller the
 // fewer chunks are left, so that a slow rank delays the others by one chunk at most. After the loop
-// each rank in turn sends the results of its chunks to all others.
+// all ranks exchange the results of their chunks.
 //
 // Results as bytes: the number of chunks, then for each its index, its size, and the result.
 //
@@ -154,14 +154,13 @@ static satin_status unpack_chunk(const struct results_loop *loop, struct bytes_r
     return taken ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
-satin_status parallel_unpack_chunks(const struct results_loop *loop, const struct bytes *bytes) {
-    struct bytes_reader in = {bytes->data, bytes->count, false};
-    const uint64_t count = bytes_get_u64(&in);
+satin_status parallel_unpack_chunks(const struct results_loop *loop, struct bytes_reader *in) {
+    const uint64_t count = bytes_get_u64(in);
     uint64_t next = 0;
     satin_status status = count > loop->chunks ? SATIN_ERROR_INPUT : SATIN_OK;
     for (uint64_t i = 0; i < count && status == SATIN_OK; i++)
-        status = unpack_chunk(loop, &in, &next);
-    return status == SATIN_OK && (in.failed || in.left > 0) ? SATIN_ERROR_INPUT : status;
+        status = unpack_chunk(loop, in, &next);
+    return status == SATIN_OK && (in->failed || in->left > 0) ? SATIN_ERROR_INPUT : status;
 }
 
 // ---- Exchange -----------------------------------------------------------------------------------
@@ -187,41 +186,85 @@ static satin_status broadcast_bytes(const struct satin_ranks *ranks, int root,
     return SATIN_OK;
 }
 
-// The chunks of this rank: those that it has begun, or of a loop with a journal has ended.
-static void pack_own(const struct results_loop *loop, struct bytes *out) {
+// Results of a piece, but for its last chunk: what was packed is in the processor's cache when it
+// is sent and read.
+enum { PIECE_BYTES = 1 << 17 };
+
+// Pieces of the results of all ranks, one of each at a time.
+struct results_exchange {
+    const struct results_loop *loop;
+    size_t at;           // own chunks that are packed
+    struct bytes piece;  // of this rank
+    struct bytes all;    // blocks of equal sizes, with the piece of each rank
+    struct piece_head {
+        uint64_t bytes, more;  // size of the piece, and whether another one follows
+    } * head;                  // of each rank
+};
+
+// Packs the next chunks of this rank: of those that it has begun, or of a loop with a journal has
+// ended.
+static void pack_piece(struct results_exchange *e) {
+    const struct results_loop *loop = e->loop;
     const struct parallel_division *division = &loop->pool->division;
     uint64_t count = 0;
-    bytes_put_u64(out, 0);
-    for (size_t i = 0; i < division->own_count; i++) {
-        if (loop->state && loop->state[division->own[i]] == CHUNK_OPEN) continue;
-        parallel_pack_chunk(loop, division->own[i], out);
+    e->piece.count = 0;
+    bytes_put_u64(&e->piece, 0);
+    for (; e->at < division->own_count && e->piece.count < PIECE_BYTES; e->at++) {
+        const size_t chunk = division->own[e->at];
+        if (loop->state && loop->state[chunk] == CHUNK_OPEN) continue;
+        parallel_pack_chunk(loop, chunk, &e->piece);
         count++;
     }
-    if (!out->failed) memcpy(out->data, &count, sizeof count);
+    if (!e->piece.failed) memcpy(e->piece.data, &count, sizeof count);
+    e->head[division->ranks->rank] =
+        (struct piece_head){e->piece.count, e->at < division->own_count};
+}
+
+// Gives all ranks the pieces of all.
+static satin_status exchange_pieces(struct results_exchange *e) {
+    struct parallel_division *division = &e->loop->pool->division;
+    const struct satin_ranks *ranks = division->ranks;
+    ranks->exchange(ranks->user, e->head, sizeof *e->head);
+    size_t size = 0;
+    for (int i = 0; i < ranks->count; i++) {
+        if (e->head[i].bytes > size) size = (size_t)e->head[i].bytes;
+        division->traffic.bytes += (double)e->head[i].bytes;
+    }
+    if (e->piece.failed ||
+        !array_reserve((void **)&e->all.data, &e->all.capacity, (size_t)ranks->count * size, 1))
+        return SATIN_ERROR_MEMORY;
+    memcpy(e->all.data + (size_t)ranks->rank * size, e->piece.data, e->piece.count);
+    ranks->exchange(ranks->user, e->all.data, size);
+    satin_status status = SATIN_OK;
+    for (int i = 0; i < ranks->count && status == SATIN_OK; i++) {
+        struct bytes_reader in = {e->all.data + (size_t)i * size, (size_t)e->head[i].bytes, false};
+        if (i != ranks->rank) status = parallel_unpack_chunks(e->loop, &in);
+    }
+    return status;
+}
+
+static bool has_more(const struct results_exchange *e) {
+    bool more = false;
+    for (int i = 0; i < e->loop->pool->division.ranks->count; i++) more |= e->head[i].more != 0;
+    return more;
 }
 
 // Gives all ranks the results of all chunks.
 static satin_status exchange_results(const struct results_loop *loop) {
     struct parallel_division *division = &loop->pool->division;
-    const struct satin_ranks *ranks = division->ranks;
     const double start = stats_wall();
-    struct bytes own = {0}, other[2] = {{0}, {0}};
-    pack_own(loop, &own);
-    satin_status status = own.failed ? SATIN_ERROR_MEMORY : SATIN_OK;
-    // What a rank has received it reads when the next one has sent, so that all read at once.
-    for (int root = 0; root <= ranks->count && status == SATIN_OK; root++) {
-        struct bytes *now = root == ranks->rank ? &own : &other[root % 2];
-        if (root < ranks->count) {
-            status = broadcast_bytes(ranks, root, now);
-            division->traffic.bytes += (double)now->count;
-        }
-        if (status == SATIN_OK && root > 0 && root - 1 != ranks->rank)
-            status = parallel_unpack_chunks(loop, &other[(root - 1) % 2]);
-    }
+    struct results_exchange e = {.loop = loop};
+    e.head = array_new((size_t)division->ranks->count, sizeof *e.head);
+    satin_status status = e.head ? SATIN_OK : SATIN_ERROR_MEMORY;
+    do {
+        if (status == SATIN_OK) pack_piece(&e);
+        if (status == SATIN_OK) status = exchange_pieces(&e);
+    } while (status == SATIN_OK && has_more(&e));
     division->traffic.loops += 1.0;
     division->traffic.seconds += stats_wall() - start;
-    bytes_free(&own);
-    for (int i = 0; i < 2; i++) bytes_free(&other[i]);
+    free(e.head);
+    bytes_free(&e.piece);
+    bytes_free(&e.all);
     return status;
 }
 
@@ -323,15 +366,16 @@ bool parallel_for_results(struct parallel *pool, size_t n, size_t chunk_size, pa
 
 void parallel_sum(struct parallel *pool, uint64_t *values, size_t count) {
     const struct satin_ranks *ranks = pool->division.ranks;
-    enum { SUMS = 16 };
-    for (size_t at = 0; ranks && at < count; at += SUMS) {
-        uint64_t sum[SUMS] = {0}, one[SUMS] = {0};
-        const size_t here = count - at < SUMS ? count - at : SUMS;
-        for (int root = 0; root < ranks->count; root++) {
-            if (root == ranks->rank) memcpy(one, values + at, here * sizeof *one);
-            ranks->broadcast(ranks->user, root, one, here * sizeof *one);
-            for (size_t i = 0; i < here; i++) sum[i] += one[i];
-        }
-        memcpy(values + at, sum, here * sizeof *sum);
+    if (!ranks) return;
+    const size_t all = (size_t)ranks->count * count;
+    uint64_t *block = array_new_unset(all, sizeof *block);
+    if (!block) {
+        pool->division.status = SATIN_ERROR_MEMORY;
+        return;
     }
+    memcpy(block + (size_t)ranks->rank * count, values, count * sizeof *values);
+    ranks->exchange(ranks->user, block, count * sizeof *values);
+    memset(values, 0, count * sizeof *values);
+    for (size_t i = 0; i < all; i++) values[i % count] += block[i];
+    free(block);
 }

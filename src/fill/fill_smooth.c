@@ -179,7 +179,9 @@ satin_status fill_smooth(struct fill *fill, float a) {
     struct smoothing s = {.cache = fill->cache, .store = store, .limit = SMOOTH_WIDER * a};
     s.value = array_new(count, sizeof *s.value);
     if (!s.value) return SATIN_ERROR_MEMORY;
-    const bool whole = parallel_for(fill->pool, count, RECORDS_CHUNK, smooth_records, &s);
+    const struct parallel_results values = {.slot = {{s.value, sizeof *s.value}}};
+    const bool whole =
+        parallel_for_results(fill->pool, count, RECORDS_CHUNK, smooth_records, &s, &values);
     for (size_t i = 0; whole && i < count; i++) store->irradiance[i].value = s.value[i];
     free(s.value);
     return whole ? SATIN_OK : SATIN_CANCELLED;

@@ -72,16 +72,18 @@ satin_status photon_noise_find(const struct satin_scene *scene, struct parallel 
     if (loop.count == 0) return SATIN_OK;
     loop.noise2 = array_new(loop.count, sizeof *loop.noise2);
     if (!loop.noise2) return SATIN_ERROR_MEMORY;
-    parallel_for_all(pool, loop.count, NOISE_CHUNK, measure_entries, &loop);
+    const struct parallel_results noise = {.slot = {{loop.noise2, sizeof *loop.noise2}}};
+    const bool whole =
+        parallel_for_results(pool, loop.count, NOISE_CHUNK, measure_entries, &loop, &noise);
     double sum = 0.0, lit = 0.0;
-    for (size_t i = 0; i < loop.count; i++) {
+    for (size_t i = 0; whole && i < loop.count; i++) {
         if (loop.noise2[i] < 0.0) continue;
         sum += loop.noise2[i];
         lit += 1.0;
     }
     free(loop.noise2);
     if (lit > 0.0) maps->noise2 = (float)(sum / lit);
-    return SATIN_OK;
+    return whole ? SATIN_OK : SATIN_CANCELLED;
 }
 
 float photon_noise2(const struct photon_maps *maps) { return maps->noise2; }

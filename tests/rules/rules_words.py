@@ -104,6 +104,7 @@ IDENTIFIERS = {
                      r"|render/(?:options|render_cache)|scene/scene_hints|study/|toml/"
                      r"|animation/)",
         "place": r"src/(?:animation/|base/(?:fileio|log)|load/|render/options|scene/scene_hints)",
+        "MPI_IN_PLACE": "src/apps/app_ranks_mpi",
         "current_place": "src/load/load_xml"}),
     "Part": ("parts?", {
         "parallel_(?:begin_)?parts?|stats_set_parts|PARALLEL_PARTS_MAX|set_part|part_count":

@@ -46,6 +46,12 @@ static void send(void *user, int root, void *data, size_t size) {
     pthread_barrier_wait(&m->meeting->barrier);
 }
 
+static void send_blocks(void *user, void *blocks, size_t size) {
+    const struct member *m = user;
+    for (int root = 0; root < m->meeting->ranks; root++)
+        send(user, root, (char *)blocks + (size_t)root * size, size);
+}
+
 static bool any_of(void *user, bool value) {
     const struct member *m = user;
     bool all = false;
@@ -148,7 +154,7 @@ static void meet(int ranks, int cancelling, const struct parallel_journal *journ
         *m = (struct member){
             .meeting = &meeting, .threads = 1 + i % 2, .cancels_at = -1, .journal = journal};
         if (i == cancelling) m->cancels_at = 0;
-        m->ranks = (satin_ranks){i, ranks, m, send, any_of, add_to, reset, NULL};
+        m->ranks = (satin_ranks){i, ranks, m, send, send_blocks, any_of, add_to, reset, NULL};
         assert_int_equal(pthread_create(&thread[i], NULL, be_a_rank, m), 0);
     }
     for (int i = 0; i < ranks; i++) pthread_join(thread[i], NULL);
