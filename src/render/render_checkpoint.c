@@ -41,6 +41,8 @@ bool render_has_checkpoint(const struct render *r) { return r->callbacks.checkpo
 
 // ---- What must be equal -------------------------------------------------------------------------
 
+static long number_of(const struct identity_word *word) { return atol(word->at + word->name + 1); }
+
 static satin_status refuse_other(const struct render *r, const struct identity_word *here,
                                  const struct identity_word *there) {
     const char *path = r->callbacks.checkpoint;
@@ -52,6 +54,9 @@ static satin_status refuse_other(const struct render *r, const struct identity_w
     if (render_identity_is(here, "time"))
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint %s a time limit", path,
                         r->options.time > 0.0 ? "without" : "with");
+    if (render_identity_is(here, "memory") && (r->options.memory == 0 || number_of(there) == 0))
+        return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint %s a limit of memory", path,
+                        r->options.memory > 0 ? "without" : "with");
     return log_fail(r->log, SATIN_ERROR_INPUT, "%s: a checkpoint with %.*s, but here it is %.*s",
                     path, (int)there->length, there->at, (int)(here->length - here->name - 1),
                     here->at + here->name + 1);
@@ -59,8 +64,6 @@ static satin_status refuse_other(const struct render *r, const struct identity_w
 
 // A word behind those of the render: photons and records are as many as if this were spp.
 static const char FIRST_SPP[] = "first-spp";
-
-static long number_of(const struct identity_word *word) { return atol(word->at + word->name + 1); }
 
 // Whether two words are the number of samples per pixel, and that of the checkpoint is less. The
 // frames of an animation have no more samples than others that were made with the same records.
