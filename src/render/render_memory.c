@@ -114,15 +114,19 @@ satin_status render_memory_begin(struct render *r) {
     double least = m->fixed + fmax(m->thread / FOR_THREADS, work);
     // Where the sky is visible is learned if that fits.
     if (least > m->limit && m->visibility > 0.0) {
+        char needed[16];
+        print_size(renders_at_once(r) * limit_needed(&r->scene.images, least), needed);
         o->guide_visibility = false;
         m->kept -= m->visibility;
         m->fixed = m->kept + fmax(sums, records ? site_bytes(o) : 0.0);
         least -= m->visibility;
         m->visibility = 0.0;
         if (least <= m->limit && !missing)
-            log_message(limit_log(r), SATIN_LOG_WARNING,
-                        "option memory: where the sky is visible is not learned, as that does not "
-                        "fit: its direct light is noisy");
+            log_message(
+                limit_log(r), SATIN_LOG_WARNING,
+                "option memory: where the sky is visible is not learned, which needs about %s: "
+                "its direct light is noisy",
+                needed);
     }
     if (least > m->limit || missing) {
         char limit[16], needed[16];
