@@ -288,6 +288,14 @@ static satin_status run_animation(const struct app_render_request *r, const sati
     return status;
 }
 
+// The limit loses the time for reading the scene, which each rank takes otherwise.
+static int check_time(const struct app_render_request *r, double time) {
+    const satin_ranks *ranks = r->ranks->ranks;
+    double first = time;
+    if (ranks) ranks->broadcast(ranks->user, 0, &first, sizeof first);
+    return first == time ? APP_DONE : app_wrong("not all processes have the same time limit");
+}
+
 static satin_status run_scene(const struct app_render_request *r, const satin_scene *scene,
                               const struct app_animation *animation, struct app_progress *progress,
                               double start) {
@@ -298,6 +306,8 @@ static satin_status run_scene(const struct app_render_request *r, const satin_sc
     // Ranks may have read other scenes, of which one has an error in its options.
     if (app_ranks_agree(r->ranks, app_exit_of(status)) != APP_DONE)
         return status != SATIN_OK ? status : SATIN_ERROR_INTERNAL;
+    if (app_ranks_agree(r->ranks, check_time(r, options.time)) != APP_DONE)
+        return SATIN_ERROR_INPUT;
     // The time limit includes the time for reading the scene.
     if (options.time > 0.0)
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
