@@ -9,23 +9,16 @@
 #include "base/sampling.h"
 #include "brdf/brdf_models.h"
 
-const struct brdf_model *const brdf_models[] = {&brdf_model_diffuse,
-                                                &brdf_model_conductor,
-                                                &brdf_model_roughconductor,
-                                                &brdf_model_dielectric,
-                                                &brdf_model_thindielectric,
-                                                &brdf_model_roughdielectric,
-                                                &brdf_model_null,
-                                                &brdf_model_principled,
-                                                &brdf_model_principledthin,
-                                                &brdf_model_plastic,
-                                                &brdf_model_roughplastic,
-                                                &brdf_model_phong,
-                                                &brdf_model_ward,
-                                                &brdf_model_lafortune,
-                                                &brdf_model_merl,
-                                                &brdf_model_tabulated,
-                                                &(const struct brdf_model){.name = NULL}};
+const struct brdf_model *const brdf_models[] = {
+    &brdf_model_diffuse,         &brdf_model_roughdiffuse,
+    &brdf_model_conductor,       &brdf_model_roughconductor,
+    &brdf_model_dielectric,      &brdf_model_thindielectric,
+    &brdf_model_roughdielectric, &brdf_model_null,
+    &brdf_model_principled,      &brdf_model_principledthin,
+    &brdf_model_plastic,         &brdf_model_roughplastic,
+    &brdf_model_phong,           &brdf_model_ward,
+    &brdf_model_lafortune,       &brdf_model_merl,
+    &brdf_model_tabulated,       &(const struct brdf_model){.name = NULL}};
 
 const struct brdf_model *brdf_find(const char *name) {
     for (int i = 0; brdf_models[i]->name; i++)

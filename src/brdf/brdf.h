@@ -19,7 +19,8 @@
 // Lobes of a BRDF, as a mask. Delta lobes scatter to single directions and have no value or
 // density.
 enum brdf_lobe {
-    BRDF_DIFFUSE = 1,  // Lambertian except for smooth factors (the Fresnel transmission of plastic)
+    BRDF_DIFFUSE = 1,  // Lambertian except for smooth factors (the Fresnel transmission of plastic,
+                       // the grooves of roughdiffuse)
     BRDF_GLOSSY = 2,
     BRDF_DELTA = 4,
     BRDF_THROUGH = 8,  // scattered to directions on the other side
@@ -61,6 +62,7 @@ struct brdf {
     enum brdf_distribution distribution;
     enum brdf_variant variant;
     bool nonlinear;   // plastic, roughplastic: internal scattering shifts the colour
+    bool fast;        // roughdiffuse: the approximation without interreflection
     bool isotropic;   // measured, lafortune: a rotation of both directions about the normal changes
                       // nothing
     bool asymmetric;  // measured: even mirroring them at the x or y axis changes the value
@@ -224,6 +226,11 @@ bool brdf_same_shape(const struct brdf *a, const struct brdf *b);
 // Whether the glossy lobe depends on `diffuse`: the metallic or tinted principled models.
 static inline bool brdf_tinted(const struct brdf *b) {
     return b->metallic > 0.0f || b->spec_tint > 0.0f;
+}
+
+// Whether there is only a diffuse lobe, with one value for all directions.
+static inline bool brdf_is_lambertian(const struct brdf *b) {
+    return b->model->lobes == BRDF_DIFFUSE && !b->model->diffuse_albedo;
 }
 
 // The lobes of b that are not zero, such as a black diffuse lobe.

@@ -6,7 +6,7 @@
 
 #include "brdf/brdf.h"
 
-extern const struct brdf_model brdf_model_diffuse;
+extern const struct brdf_model brdf_model_diffuse, brdf_model_roughdiffuse;
 extern const struct brdf_model brdf_model_conductor, brdf_model_roughconductor;
 extern const struct brdf_model brdf_model_dielectric, brdf_model_thindielectric;
 extern const struct brdf_model brdf_model_roughdielectric, brdf_model_null;

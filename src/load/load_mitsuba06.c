@@ -210,8 +210,8 @@ satin_status load_mitsuba06_respell(struct log log, struct arena *arena, struct 
     node->mitsuba06 = true;
     if (load_xml_is_object(node->tag) && node->type) node->type = plugin_name(node);
     if (node->name && !(node->name = snake_case(arena, node->name))) return SATIN_ERROR_MEMORY;
-    if (is_element(parent, XML_BSDF, "diffuse") && node->name &&
-        strcmp(node->name, "diffuse_reflectance") == 0)
+    if ((is_element(parent, XML_BSDF, "diffuse") || is_element(parent, XML_BSDF, "roughdiffuse")) &&
+        node->name && strcmp(node->name, "diffuse_reflectance") == 0)
         node->name = "reflectance";
     if (node->tag == XML_SPECTRUM && load_xml_get(node, "temperature"))
         return respell_blackbody(arena, node);

@@ -172,11 +172,29 @@ static const struct param_spec opacity = {
     PARAM_TEXTURE,
     NULL,
     "The opacity. Values of a texture are clamped to [0, 1]."};
+static const struct param_spec groove_alpha = {
+    "alpha",
+    PARAM_FLOAT,
+    ".2",
+    RANGE_MODEST,
+    PARAM_TEXTURE,
+    NULL,
+    "The roughness: the root mean square slope of the surface."};
+static const struct param_spec fast_approximation = {
+    "use_fast_approx",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "If true, light that goes from facet to facet is left out."};
 static param_list mask_params = {&opacity, NULL};
 static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
 static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
 static param_list diffuse_params = {&diffuse_reflectance, NULL};
+static param_list roughdiffuse_params = {&diffuse_reflectance, &groove_alpha, &fast_approximation,
+                                         NULL};
 static param_list conductor_params = {
     &metal_name, &metal_eta, &metal_k, &bsdf_specular_reflectance, &metal_ext_eta, NULL};
 static param_list roughconductor_params = {
@@ -316,6 +334,19 @@ static satin_status build_diffuse(struct load_state *loader, const struct params
     return load_bsdf_set_color(loader, load_param(p, "reflectance"), object, BRDF_SLOT_DIFFUSE);
 }
 
+static satin_status build_roughdiffuse(struct load_state *loader, const struct params *p,
+                                       void *object) {
+    struct material_side *side = object;
+    const struct param_value *rough = load_param(p, "alpha");
+    side->base.fast = load_param(p, "use_fast_approx")->b;
+    side->base.alpha_u = rough->f;  // 0 is allowed: Lambertian
+    if (rough->texture) {
+        satin_status status = load_bsdf_set_number(loader, rough, side, BRDF_SLOT_ALPHA_U);
+        if (status != SATIN_OK) return status;
+    }
+    return build_diffuse(loader, p, side);
+}
+
 static satin_status build_conductor(struct load_state *loader, const struct params *p,
                                     void *object) {
     satin_status status = set_metal(loader, p, object);
@@ -400,6 +431,8 @@ static satin_status build_ward(struct load_state *loader, const struct params *p
 
 const struct plugin_spec load_bsdf_plugins[] = {
     {XML_BSDF, "diffuse", "Lambertian reflection", diffuse_params, 0, build_diffuse, false},
+    {XML_BSDF, "roughdiffuse", "a rough diffuse surface, as in Mitsuba 0.6", roughdiffuse_params, 0,
+     build_roughdiffuse, false},
     {XML_BSDF, "conductor", "a polished metal", conductor_params, 0, build_conductor, false},
     {XML_BSDF, "roughconductor", "a rough metal with microfacets", roughconductor_params, 0,
      build_roughconductor, false},

@@ -148,7 +148,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     int entry;
     // The irradiance of facets differs within a disc, so what a facet reflects depends on
     // directions.
-    const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE && !brdf_has_bump(brdf);
+    const bool diffuse = brdf_is_lambertian(brdf) && !brdf_has_bump(brdf);
     enum map_read source = READ_POINT;
     if (maps->area && (diffuse || maps->smooth))
         source = read_map_at(maps, scene, point, limits->bounces, &E, &entry);

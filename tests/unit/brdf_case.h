@@ -116,6 +116,8 @@ static void direction_grid(struct brdf *b) {
 
 static void opaque(struct brdf *b) { b->opaque = true; }
 
+static void simplified(struct brdf *b) { b->fast = true; }
+
 // Plastics: the fits and tables of the coat err by up to 1 %. Beckmann's weights: its shadowing is
 // a fit, 0.4 % above the exact one at most.
 static const struct brdf_case cases[] = {
@@ -170,6 +172,9 @@ static const struct brdf_case cases[] = {
     {"ward", 0, BRDF_WARD_DUER, 0, 1, 1, .1f, .9f, 1.5f, 0.0f, 0.0f, 0.2f, NULL},
     {"ward", 0, BRDF_WARD_BALANCED, 0, .6f, .25f, .1f, .9f, 1.5f, 1.0f, 2.0f, 0.1f, NULL},
     {"ward", 0, BRDF_WARD_BALANCED, 0, .01f, .1f, .1f, .9f, 1.5f, 1.0f, 2.0f, 0.005f, NULL},
+    {"roughdiffuse", 0, 0, 0, .2f, 0, 1, 0, 1.5f, 1.03f, 0, 0.2f, NULL},
+    {"roughdiffuse", 0, 0, 0, .7f, 0, 1, 0, 1.5f, 1.05f, 0, 0.2f, NULL},
+    {"roughdiffuse", 0, 0, 0, .4f, 0, 1, 0, 1.5f, 1.02f, 0, 0.2f, simplified},
 };
 
 enum { CASES = sizeof cases / sizeof *cases };

@@ -116,6 +116,28 @@ static void defaults_of_version_06_are_kept(void **state) {
     assert_non_null(strstr(c.error, "none.png"));
 }
 
+// The reflectance has two names; a roughness of 0 is meant so.
+static void rough_diffuse_surfaces_are_read(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<shape type='sphere'><bsdf type='roughdiffuse'/></shape>"
+        "<shape type='sphere'><bsdf type='roughdiffuse'><rgb name='diffuseReflectance' value='.2'/>"
+        "<float name='alpha' value='0'/><boolean name='useFastApprox' value='true'/></bsdf></shape>"
+        "<shape type='sphere'><bsdf type='roughdiffuse'><texture type='gridtexture' name='alpha'/>"
+        "<texture type='gridtexture' name='reflectance'/></bsdf></shape></scene>");
+    assert_non_null(scene);
+    const struct material *m = scene->material;
+    assert_true(m[0].front.base.alpha_u == 0.2f && m[0].front.base.diffuse.g == 0.5f);
+    assert_false(m[0].front.base.fast);
+    assert_true(m[1].front.base.alpha_u == 0.0f && m[1].front.base.diffuse.g == 0.2f);
+    assert_true(m[1].front.base.fast);
+    assert_true(m[2].front.slot[BRDF_SLOT_ALPHA_U] && m[2].front.slot[BRDF_SLOT_DIFFUSE]);
+    satin_scene_free(scene);
+}
+
 // These are the textures of that version.
 static void textures_of_version_06_are_read(void **state) {
     (void)state;
@@ -232,6 +254,7 @@ int main(void) {
         cmocka_unit_test(parameters_keep_their_meaning),
         cmocka_unit_test(defaults_of_version_06_are_kept),
         cmocka_unit_test(what_has_no_translation_is_refused),
+        cmocka_unit_test(rough_diffuse_surfaces_are_read),
         cmocka_unit_test(textures_of_version_06_are_read),
         cmocka_unit_test(files_of_other_programs_are_read),
         cmocka_unit_test(unknown_integrators_samplers_and_films_are_accepted)};
