@@ -48,6 +48,9 @@ struct attribute_names {
     int count;
     const char *name[ATTRIBUTES_MAX];
 };
+// The name of the colours of vertices as Mitsuba 0.6 reads them: integers are fractions, and all
+// are sRGB unless the shape says otherwise.
+#define LOAD_VERTEX_COLORS "vertexcolors"
 
 struct mesh_request {
     struct mat4 to_world;
@@ -57,6 +60,7 @@ struct mesh_request {
                            // [degrees]; 0: keep the file's
     bool flip_tex_coords;  // v -> 1 - v
     int shape_index;       // serialized: index of the mesh in the file
+    bool linear_colors;    // PLY: LOAD_VERTEX_COLORS are linear, not sRGB
     struct attribute_names attributes;  // to be kept if the file has them
 };
 

@@ -88,7 +88,8 @@ static bool read_other(struct ply *ply, const struct ply_property *property) {
     if (property->target) {
         float *value = &ply->attributes.read[property->target - 1];
         if (!read_ply_number(ply, property->type, &number)) return false;
-        *value = load_ply_attribute_decode(property->type, number);
+        *value = load_ply_attribute_decode(&ply->attributes.attribute[(property->target - 1) / 3],
+                                           property->type, number);
         return isfinite(*value);
     }
     if (!property->count_type) return read_ply_number(ply, property->type, &number);
@@ -228,8 +229,7 @@ satin_status load_mesh_ply(const struct load_source *source, const struct mesh_r
     struct ply ply = {.source = source, .text = {data, data + size, 1}};
     status = load_ply_header_read(source, &ply.text, &ply.header);
     if (status == SATIN_OK)
-        status =
-            load_ply_attributes_find(source, &request->attributes, &ply.header, &ply.attributes);
+        status = load_ply_attributes_find(source, request, &ply.header, &ply.attributes);
     if (status == SATIN_OK) status = read_body(&ply);
     if (status == SATIN_OK) status = load_ply_attributes_keep(source, &ply.attributes, &ply.raw);
     load_ply_attributes_free(&ply.attributes);

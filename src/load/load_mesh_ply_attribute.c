@@ -3,7 +3,8 @@
 // green, blue). Any other attribute is a run of 1 or 3 properties: PREFIX_x, _y, _z, or _0, _1, _2,
 // or _1, _2, _3 with the name PREFIX, or PREFIX_r, _g, _b with the name PREFIX_color. The name is
 // preceded by vertex_ or face_. Bytes have their value as it is; other integers are fractions of
-// their largest value, in sRGB.
+// their largest value, in sRGB. LOAD_VERTEX_COLORS are the same colours, or diffuse_red,
+// diffuse_green, diffuse_blue, with the values of Mitsuba 0.6.
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,10 +24,13 @@ static int find_ply_property(const struct ply_header *header, const struct ply_e
     return -1;
 }
 
-static int find_color(const struct ply_header *header, const struct ply_element *element,
+// Finds the colours by the first `forms` names.
+static int find_color(const struct ply_header *header, const struct ply_element *element, int forms,
                       int property[3]) {
-    static const char *const name[2][3] = {{"r", "g", "b"}, {"red", "green", "blue"}};
-    for (int form = 0; form < 2; form++) {
+    static const char *const name[3][3] = {{"r", "g", "b"},
+                                           {"red", "green", "blue"},
+                                           {"diffuse_red", "diffuse_green", "diffuse_blue"}};
+    for (int form = 0; form < forms; form++) {
         int found = 0;
         for (int c = 0; c < 3; c++) {
             property[c] = find_ply_property(header, element, name[form][c]);
@@ -68,24 +72,30 @@ static int find_run(const struct ply_header *header, const struct ply_element *e
 }
 
 static bool find_ply_attribute(const struct ply_header *header, struct ply_attribute *out) {
-    const char *rest = strchr(out->name, '_') + 1;
+    const char *rest = out->fractions ? "color" : strchr(out->name, '_') + 1;
     out->per_face = out->name[0] == 'f';
     for (int e = 0; e < header->element_count; e++) {
         const struct ply_element *element = &header->element[e];
         if (element->kind != (out->per_face ? PLY_FACES : PLY_VERTICES)) continue;
-        out->channels = strcmp(rest, "color") == 0 ? find_color(header, element, out->property)
-                                                   : find_run(header, element, rest, out->property);
+        out->channels = strcmp(rest, "color") == 0
+                            ? find_color(header, element, out->fractions ? 3 : 2, out->property)
+                            : find_run(header, element, rest, out->property);
     }
     return out->channels > 0;
 }
 
 satin_status load_ply_attributes_find(const struct load_source *source,
-                                      const struct attribute_names *names,
-                                      struct ply_header *header, struct ply_attributes *out) {
-    for (int i = 0; i < names->count; i++) {
+                                      const struct mesh_request *request, struct ply_header *header,
+                                      struct ply_attributes *out) {
+    for (int i = 0; i < request->attributes.count; i++) {
         struct ply_attribute *a = &out->attribute[out->count];
-        *a = (struct ply_attribute){.name = names->name[i]};
-        if (!find_ply_attribute(header, a)) continue;
+        const char *name = request->attributes.name[i];
+        const bool old = strcmp(name, LOAD_VERTEX_COLORS) == 0;
+        *a = (struct ply_attribute){
+            .name = name, .fractions = old, .srgb = old && !request->linear_colors};
+        // A property belongs to one attribute: the same colours by the rules of both versions are
+        // not read twice.
+        if (!find_ply_attribute(header, a) || header->property[a->property[0]].target) continue;
         for (int c = 0; c < a->channels; c++)
             header->property[a->property[c]].target = 1 + 3 * out->count + c;
         out->count++;
@@ -99,12 +109,15 @@ satin_status load_ply_attributes_find(const struct load_source *source,
 
 // ---- Values -------------------------------------------------------------------------------------
 
-float load_ply_attribute_decode(enum ply_type type, double number) {
+float load_ply_attribute_decode(const struct ply_attribute *attribute, enum ply_type type,
+                                double number) {
     static const double largest[] = {
         [PLY_INT8] = 127.0,         [PLY_INT16] = 32767.0,       [PLY_UINT16] = 65535.0,
         [PLY_INT32] = 2147483647.0, [PLY_UINT32] = 4294967295.0, [PLY_DOUBLE] = 0.0};
-    return largest[type] > 0.0 ? load_srgb_to_linear((float)(number / largest[type]))
-                               : (float)number;
+    const double most = attribute->fractions && type == PLY_UINT8 ? 255.0 : largest[type];
+    const float value = (float)(most > 0.0 ? number / most : number);
+    const bool srgb = attribute->fractions ? attribute->srgb : most > 0.0;
+    return srgb ? load_srgb_to_linear(value) : value;
 }
 
 void load_ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex) {

@@ -73,6 +73,8 @@ satin_status load_ply_header_read(const struct load_source *source, struct mesh_
 struct ply_attribute {
     const char *name;
     bool per_face;
+    bool fractions;  // LOAD_VERTEX_COLORS: integers are fractions of their largest value
+    bool srgb;       // all values are sRGB
     int channels, property[3];
     float *value;  // of vertices: in the arena; of triangles: from malloc
     size_t count, capacity;
@@ -84,12 +86,13 @@ struct ply_attributes {
     float read[3 * ATTRIBUTES_MAX];  // values of the vertex or face that is being read
 };
 
-// Finds the attributes with a name in `names`, marks their properties and allocates their values.
+// Finds the attributes that are asked for, marks their properties and allocates their values.
 satin_status load_ply_attributes_find(const struct load_source *source,
-                                      const struct attribute_names *names,
-                                      struct ply_header *header, struct ply_attributes *out);
-// The attribute value of a number in the file.
-float load_ply_attribute_decode(enum ply_type type, double number);
+                                      const struct mesh_request *request, struct ply_header *header,
+                                      struct ply_attributes *out);
+// The value of a number in the file, for the attribute to which it belongs.
+float load_ply_attribute_decode(const struct ply_attribute *attribute, enum ply_type type,
+                                double number);
 // Store the values that were read for a vertex, and for a face, after which there are `triangles`
 // triangles. The second returns false if there is no memory.
 void load_ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex);

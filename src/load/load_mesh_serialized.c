@@ -248,7 +248,8 @@ static satin_status read_serialized_file(const struct load_source *source,
                                          size_t size, struct raw_mesh *out) {
     struct packed packed = {.source = source, .version = version_at(data, size, 0)};
     for (int i = 0; i < request->attributes.count; i++)
-        if (strcmp(request->attributes.name[i], "vertex_color") == 0)
+        if (strcmp(request->attributes.name[i], "vertex_color") == 0 ||
+            strcmp(request->attributes.name[i], LOAD_VERTEX_COLORS) == 0)
             packed.color = request->attributes.name[i];
     if (!packed.version)
         return load_mesh_error(source, 0, "it is not a serialized mesh of version 3 or 4");

@@ -30,8 +30,8 @@ static const char *const unread_shapes[] = {
 static const char *const unread_bsdfs[] = {
     "measured",           "hair",    "pplastic",     "polarizer", "retarder", "circular",
     "measured_polarized", "coating", "roughcoating", "hk",        "irawan",   NULL};
-static const char *const unread_textures[] = {"volume",    "volumeadapter", "vertexcolors",
-                                              "wireframe", "curvature",     NULL};
+static const char *const unread_textures[] = {"volume", "volumeadapter", "wireframe", "curvature",
+                                              NULL};
 static const char *const unread_emitters[] = {"timed_sunsky", "volumelight", "collimated", NULL};
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};

@@ -74,6 +74,14 @@ static const struct param_spec keep_v = {"flip_tex_coords",
                                          0,
                                          NULL,
                                          "If true, texture coordinate v becomes 1 - v."};
+static const struct param_spec colors_srgb = {
+    "srgb",
+    PARAM_BOOLEAN,
+    "true",
+    0,
+    0,
+    NULL,
+    "If true, the colours that texture `vertexcolors` shows are sRGB, else linear."};
 static const struct param_spec centre = {
     "center", PARAM_POINT, "0 0 0", 0, 0, NULL, "The centre in object space."};
 static const struct param_spec radius = {
@@ -94,8 +102,9 @@ enum { SHAPES_MAX = 1 << 20 };  // each shape takes some kilobytes, whatever it 
 typedef const struct param_spec *const param_list[];
 static param_list obj_params = {&mesh_file,      &face_normals, &smooth_angle, &flip_v,
                                 &shape_to_world, &flip_normals, &silhouette,   NULL};
-static param_list ply_params = {&mesh_file,      &face_normals, &smooth_angle, &keep_v,
-                                &shape_to_world, &flip_normals, &silhouette,   NULL};
+static param_list ply_params = {&mesh_file,    &face_normals, &smooth_angle,
+                                &keep_v,       &colors_srgb,  &shape_to_world,
+                                &flip_normals, &silhouette,   NULL};
 static param_list serialized_params = {&mesh_file,    &shape_index, &face_normals,
                                        &smooth_angle, &keep_v,      &shape_to_world,
                                        &flip_normals, &silhouette,  NULL};
@@ -132,6 +141,7 @@ static satin_status read_shape_mesh(struct load_state *loader, const struct para
     request.attributes = loader->wanted;
     request.flip_tex_coords = load_param(p, "flip_tex_coords")->b;
     request.shape_index = index;
+    request.linear_colors = load_params_has(p, "srgb") && !load_param(p, "srgb")->b;
     const struct param_value *angle = load_param(p, "max_smooth_angle");
     if (angle->given && angle->f <= 180.0f) request.smooth_angle = angle->f;
     if (angle->given && (angle->f > 180.0f || request.face_normals))

@@ -286,6 +286,18 @@ static satin_status build_attribute(struct load_state *loader, const struct para
     return texture->attribute ? SATIN_OK : load_no_memory(loader);
 }
 
+// The colours of a mesh's vertices as in Mitsuba 0.6.
+static satin_status build_vertex_colors(struct load_state *loader, const struct params *p,
+                                        void *object) {
+    struct texture *texture = object;
+    (void)p;
+    texture->kind = TEXTURE_ATTRIBUTE;
+    texture->scale = 1.0f;
+    texture->mean = rgb_grey(1.0f);
+    texture->attribute = attribute_name(loader, LOAD_VERTEX_COLORS);
+    return texture->attribute ? SATIN_OK : load_no_memory(loader);
+}
+
 static const struct param_spec raw_value = {"value",
                                             PARAM_COLOR,
                                             NULL,
@@ -313,6 +325,9 @@ const struct plugin_spec load_texture_plugins[] = {
      checkerboard_params, 0, build_checkerboard, false},
     {XML_TEXTURE, "mesh_attribute", "numbers or colours at a mesh's vertices or faces",
      attribute_params, 0, build_attribute, false},
+    {XML_TEXTURE, "vertexcolors",
+     "the colours at the vertices of a PLY or serialized mesh, as in Mitsuba 0.6", NULL, 0,
+     build_vertex_colors, false},
     {XML_TEXTURE, "rawconstant", "the same value everywhere", rawconstant_params, 0,
      build_constant_texture, false},
     {0}};

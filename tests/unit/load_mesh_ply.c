@@ -255,6 +255,41 @@ static void attributes_of_meshes_are_kept(void **state) {
     mesh_case_free(&c);
 }
 
+// Names and values are those of Mitsuba 0.6: fractions, decoded from sRGB.
+static void colours_of_the_older_version_are_kept(void **state) {
+    (void)state;
+    static const char *const names[] = {LOAD_VERTEX_COLORS, NULL};
+    static const char *const form = "property %s %sred\nproperty %s %sgreen\nproperty %s %sblue\n";
+    static const struct {
+        const char *type, *before, *values;
+        float expected[3];
+    } cases[] = {{"uchar", "", "255 51 0", {1.0f, 0.03310477f, 0.0f}},
+                 {"float", "diffuse_", "1 .2 .02", {1.0f, 0.03310477f, 0.00154799f}},
+                 {"ushort", "", "65535 13107 0", {1.0f, 0.03310477f, 0.0f}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct mesh_case c;
+        char vertex[256];
+        snprintf(vertex, sizeof vertex, form, cases[i].type, cases[i].before, cases[i].type,
+                 cases[i].before, cases[i].type, cases[i].before);
+        load_mesh_ply_read_attributes(&c, vertex, "", cases[i].values, cases[i].values, names);
+        assert_int_equal(c.mesh.attribute_count, 1);
+        const struct mesh_attribute *a = c.mesh.attribute;
+        assert_true(a->name == names[0] && a->channels == 3 && !a->per_triangle);
+        for (int k = 0; k < 3; k++)
+            assert_float_equal(a->value[9 + k], cases[i].expected[k], 1e-6f);
+        mesh_case_free(&c);
+    }
+    // If the colours are asked for by the names of both versions, only the first are read.
+    static const char *const both[] = {"vertex_color", LOAD_VERTEX_COLORS, NULL};
+    struct mesh_case c;
+    load_mesh_ply_read_attributes(&c,
+                                  "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                                  "", "7 8 9", "7 8 9", both);
+    assert_int_equal(c.mesh.attribute_count, 1);
+    assert_true(c.mesh.attribute[0].name == both[0] && c.mesh.attribute[0].value[1] == 8.0f);
+    mesh_case_free(&c);
+}
+
 static void negative_values_count_as_0(void **state) {
     (void)state;
     static const char *const names[] = {"vertex_heat", "face_heat", NULL};
@@ -275,6 +310,7 @@ int main(void) {
         cmocka_unit_test(every_format_and_type_is_read),
         cmocka_unit_test(wrong_ply_files_are_refused),
         cmocka_unit_test(attributes_of_meshes_are_kept),
+        cmocka_unit_test(colours_of_the_older_version_are_kept),
         cmocka_unit_test(negative_values_count_as_0),
         cmocka_unit_test(empty_elements_are_skipped),
         cmocka_unit_test(bad_binary_lists_are_refused),

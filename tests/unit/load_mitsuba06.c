@@ -162,7 +162,6 @@ static void textures_of_version_06_are_read(void **state) {
     satin_scene_free(scene);
     static const char *const bad[][2] = {
         {"<texture type='scale'/>", "texture 'scale' takes one <texture>"},
-        {"<texture type='vertexcolors'/>", "texture 'vertexcolors' is not supported"},
         {"<texture type='wireframe'/>", "texture 'wireframe' is not supported"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char text[256];
@@ -171,6 +170,40 @@ static void textures_of_version_06_are_read(void **state) {
         assert_null(scene_case_load(&c, text));
         assert_non_null(strstr(c.error, bad[i][1]));
     }
+}
+
+// The colours of a PLY file with bytes are decoded from sRGB, unless the shape has linear ones.
+static void colours_of_vertices_are_read(void **state) {
+    (void)state;
+    static const char mesh[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 255 51 0\n1 0 0 255 51 0\n0 1 0 255 51 0\n3 0 1 2\n";
+    static const char form[] =
+        "<scene version='0.6.0'><sensor type='perspective'/><shape type='%s'>%s"
+        "<bsdf type='diffuse'><texture type='vertexcolors' name='reflectance'/></bsdf></shape>"
+        "</scene>";
+    for (int linear = 0; linear < 2; linear++) {
+        struct scene_case c;
+        char text[1024], parts[256];
+        scene_case_bytes("colours.ply", mesh, sizeof mesh - 1);
+        snprintf(parts, sizeof parts, "<string name='filename' value='colours.ply'/>%s",
+                 linear ? "<boolean name='srgb' value='false'/>" : "");
+        snprintf(text, sizeof text, form, "ply", parts);
+        satin_scene *scene = scene_case_load(&c, text);
+        assert_non_null(scene);
+        struct texture_lookup at = {.mesh = &scene->shape[0].mesh};
+        const rgb color = scene_texture_eval(scene->material[0].front.slot[BRDF_SLOT_DIFFUSE], &at);
+        assert_true(color.r == 1.0f && color.b == 0.0f);
+        assert_float_equal(color.g, linear ? 0.2f : 0.03310477f, 1e-6f);
+        satin_scene_free(scene);
+    }
+    struct scene_case c;
+    char text[1024];
+    snprintf(text, sizeof text, form, "sphere", "");
+    assert_null(scene_case_load(&c, text));
+    assert_non_null(strstr(c.error, "shape 'sphere' has no attribute 'vertexcolors'"));
 }
 
 static void what_has_no_translation_is_refused(void **state) {
@@ -253,6 +286,7 @@ int main(void) {
         cmocka_unit_test(the_scale_of_bumps_is_moved),
         cmocka_unit_test(parameters_keep_their_meaning),
         cmocka_unit_test(defaults_of_version_06_are_kept),
+        cmocka_unit_test(colours_of_vertices_are_read),
         cmocka_unit_test(what_has_no_translation_is_refused),
         cmocka_unit_test(rough_diffuse_surfaces_are_read),
         cmocka_unit_test(textures_of_version_06_are_read),
