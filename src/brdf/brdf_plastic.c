@@ -8,22 +8,15 @@
 // Mitsuba tabulates them for the rough coat: single scattering, so that light that other facets
 // mask is lost.
 #include "base/sampling.h"
+#include "brdf/brdf_boundary.h"
 #include "brdf/brdf_fresnel.h"
-#include "brdf/brdf_microfacet.h"
 #include "brdf/brdf_models.h"
-#include "brdf/brdf_quadrature.h"
-
-enum {
-    TRANSMITTANCE_SIZE = 64,  // cosines 0 to 1 at equal distances
-    OUTSIDE_NODES = 32,       // per dimension, where the reflectance is smooth
-    INSIDE_NODES = 128        // where total reflection begins
-};
 
 struct plastic_coat {
     float inv_ior2;
-    float inside;                             // mean reflectance from inside
-    float enters;                             // mean transmittance from outside
-    float transmittance[TRANSMITTANCE_SIZE];  // of the rough coat
+    float inside;                    // mean reflectance from inside
+    float enters;                    // mean transmittance from outside
+    struct boundary_table boundary;  // of the rough coat
 };
 
 static rgb base_albedo(const struct brdf *b, const struct plastic_coat *c) {
@@ -82,61 +75,15 @@ static struct microfacet plastic_facets(const struct brdf *b) {
 }
 
 static float transmittance(const struct plastic_coat *c, float cosine) {
-    float x = cosine * (float)(TRANSMITTANCE_SIZE - 1);
-    int i = x < (float)(TRANSMITTANCE_SIZE - 2) ? (int)x : TRANSMITTANCE_SIZE - 2;
-    return lerpf(c->transmittance[i], c->transmittance[i + 1], x - (float)i);
-}
-
-// The rough boundary, for means over the visible facets.
-struct boundary {
-    struct microfacet facets;
-    vec3 wo;
-    float eta;  // IOR of the other side over that of this one
-};
-
-// The fraction of light that a facet of normal n reflects and that is not masked.
-static float facet_reflects(const void *ctx, vec3 n) {
-    const struct boundary *b = ctx;
-    float c = v3_dot(b->wo, n);
-    vec3 wi = v3_mad(v3_neg(b->wo), 2.0f * c, n);
-    if (wi.z <= 0.0f) return 0.0f;
-    return brdf_fresnel_dielectric(c, b->eta, NULL) * brdf_microfacet_g1(b->facets, wi);
-}
-
-// The fraction that the facet transmits and that is not masked on the other side.
-static float facet_transmits(const void *ctx, vec3 n) {
-    const struct boundary *b = ctx;
-    float cos_t, c = v3_dot(b->wo, n), f = brdf_fresnel_dielectric(c, b->eta, &cos_t);
-    // The direction of the transmitted light, reversed.
-    vec3 inward = v3_mad(v3_mul(b->wo, 1.0f / b->eta), -(c / b->eta + cos_t), n);
-    if (inward.z <= 0.0f) return 0.0f;
-    return (1.0f - f) * brdf_microfacet_g1(b->facets, inward);
-}
-
-static struct boundary coat_boundary(struct microfacet m, float cosine, float eta) {
-    return (struct boundary){m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine), eta};
+    return brdf_boundary_transmittance(&c->boundary, cosine);
 }
 
 static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
     struct plastic_coat *c = arena_alloc(arena, sizeof *c);
-    struct quadrature rule_out, rule_in;
     if (!c) return SATIN_ERROR_MEMORY;
-    brdf_quadrature_gauss(&rule_out, OUTSIDE_NODES);
-    brdf_quadrature_gauss(&rule_in, INSIDE_NODES);
-    double inside = 0.0, enters = 0.0;
-    for (int i = 0; i < TRANSMITTANCE_SIZE; i++) {
-        float mu = maxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
-        struct boundary out = coat_boundary(plastic_facets(b), mu, b->ior);
-        struct boundary in = coat_boundary(plastic_facets(b), mu, 1.0f / b->ior);
-        c->transmittance[i] =
-            (float)brdf_microfacet_visible_mean(out.facets, mu, &rule_out, facet_transmits, &out);
-        inside +=
-            (double)mu * brdf_microfacet_visible_mean(in.facets, mu, &rule_in, facet_reflects, &in);
-    }
-    for (int i = 0; i < OUTSIDE_NODES; i++)
-        enters += rule_out.weight[i] * rule_out.x[i] * transmittance(c, (float)rule_out.x[i]);
-    c->enters = (float)(2.0 * enters);
-    c->inside = (float)(2.0 * inside / TRANSMITTANCE_SIZE);
+    brdf_boundary_build(plastic_facets(b), b->ior, &c->boundary);
+    c->enters = brdf_boundary_enters(&c->boundary);
+    c->inside = brdf_boundary_inside(plastic_facets(b), b->ior);
     c->inv_ior2 = 1.0f / (b->ior * b->ior);
     b->tables = c;
     return SATIN_OK;
