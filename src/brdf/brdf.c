@@ -31,8 +31,19 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
     return status ? status : brdf_albedo_prepare(b, arena);
 }
 
+// Whether the coats of two BRDFs of one model do the same to the glossy lobe.
+static bool same_coat(const struct brdf *a, const struct brdf *b) {
+    if (a->coat != b->coat) return false;
+    if (!a->coat) return true;
+    if (memcmp(&a->coat_depth, &b->coat_depth, sizeof a->coat_depth) != 0) return false;
+    return brdf_is_factored(a) ||
+           (memcmp(&a->specular, &b->specular, sizeof a->specular) == 0 &&
+            memcmp(&a->coat_specular, &b->coat_specular, sizeof a->coat_specular) == 0);
+}
+
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b) {
     struct brdf x = *a, y = *b;
+    if (!same_coat(a, b)) return false;
     if (x.model != y.model || x.ior != y.ior || x.distribution != y.distribution ||
         x.variant != y.variant || x.opaque != y.opaque || (x.model->data && x.tables != y.tables))
         return false;
@@ -44,7 +55,7 @@ bool brdf_same_shape(const struct brdf *a, const struct brdf *b) {
 }
 
 unsigned brdf_lobes(const struct brdf *b) {
-    unsigned lobes = b->model->lobes;
+    unsigned lobes = b->coat ? brdf_coat_nested(b)->lobes : b->model->lobes;
     if (b->opaque) lobes &= ~(unsigned)BRDF_THROUGH;
     if (rgb_black(b->diffuse) && b->sheen == 0.0f) lobes &= ~(unsigned)BRDF_DIFFUSE;
     if (b->model->transmits && rgb_black(b->transmittance)) lobes &= ~(unsigned)BRDF_THROUGH;
@@ -52,7 +63,7 @@ unsigned brdf_lobes(const struct brdf *b) {
         lobes &= ~(unsigned)BRDF_GLOSSY;
         if (!b->model->transmits || rgb_black(b->transmittance)) lobes &= ~(unsigned)BRDF_DELTA;
     }
-    return lobes;
+    return b->coat ? brdf_coat_lobes(b, lobes) : lobes;
 }
 
 // The probabilities of choosing a lobe; `glossy` is that of all lobes that sample_glossy draws.

@@ -39,6 +39,7 @@ enum brdf_mode { BRDF_RADIANCE = 0, BRDF_POWER };
 
 struct brdf_model;
 struct brdf_glossy;
+struct brdf_coat;
 
 enum { BRDF_BUMPS_MAX = 2 };  // most bump and normal maps around one BRDF
 
@@ -74,6 +75,10 @@ struct brdf {
     float bump[BRDF_BUMPS_MAX];
     const void *tables;                // made by the model's `prepare`; owned by its arena
     const struct brdf_glossy *glossy;  // albedos of the glossy lobe, owned likewise; may be NULL
+    // A coat over the BRDF; the fields above are the nested BRDF's, but for the model.
+    const struct brdf_coat *coat;  // constants, owned likewise; NULL: no coat
+    rgb coat_specular;             // factor of the coat's own reflection
+    rgb coat_depth;                // optical depth across the coat, >= 0; less counts as 0
 };
 
 // Range of the IOR (inside over outside), beyond which floats are not accurate enough.
@@ -86,8 +91,10 @@ enum brdf_slot {
     BRDF_SLOT_DIFFUSE = 0,
     BRDF_SLOT_SPECULAR,
     BRDF_SLOT_TRANSMITTANCE,
+    BRDF_SLOT_COAT_SPECULAR,  // the last that is a fraction
     BRDF_SLOT_ETA,
     BRDF_SLOT_K,
+    BRDF_SLOT_COAT_DEPTH,
     BRDF_SLOT_ALPHA_U,
     BRDF_SLOT_ALPHA_V,
     BRDF_SLOT_EXPONENT,
@@ -108,7 +115,8 @@ enum brdf_slot {
 
 // The field of the slot of a colour, and of that of a number.
 static inline rgb *brdf_color(struct brdf *b, enum brdf_slot slot) {
-    rgb *field[] = {&b->diffuse, &b->specular, &b->transmittance, &b->eta, &b->k};
+    rgb *field[] = {&b->diffuse, &b->specular, &b->transmittance, &b->coat_specular,
+                    &b->eta,     &b->k,        &b->coat_depth};
     return field[slot];
 }
 static inline float *brdf_number(struct brdf *b, enum brdf_slot slot) {
@@ -206,6 +214,18 @@ satin_status brdf_lafortune_set(struct brdf *b, struct arena *arena,
                                 const struct brdf_cosine_lobe *lobe, int count);
 satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct brdf_grid *grid);
 
+// A dielectric coat (brdf_coat.c).
+struct brdf_coating {
+    float ior;    // inside over outside, in the range above
+    float alpha;  // roughness; 0: smooth
+    enum brdf_distribution distribution;
+    rgb specular;  // factor of its reflection
+    rgb depth;     // absorption coefficient times thickness
+};
+// Puts a coat over b, which was prepared, does not transmit and has no coat. The model of b becomes
+// one of the arena. Fails only on lack of memory; then b is unchanged.
+satin_status brdf_coat_set(struct brdf *b, struct arena *arena, const struct brdf_coating *coating);
+
 // Computes tables and constants. To be called once per material, after its constants are set. Fails
 // only on lack of memory.
 satin_status brdf_prepare(struct brdf *b, struct arena *arena);
@@ -220,8 +240,21 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena);
 void brdf_polish(struct brdf *b);
 static inline bool brdf_is_polished(const struct brdf *b) { return b->model->polished; }
 
-// Whether two BRDFs have the same glossy lobe, apart from the factors `specular` and
-// `transmittance`.
+// Whether the glossy lobe is `specular` times one that does not depend on it. Under a rough coat it
+// is not, as it has the reflection of the coat, too.
+bool brdf_is_factored(const struct brdf *b);
+// The factor of the glossy lobe over that of brdf_white, the same BRDF with `specular` 1 if that is
+// a factor.
+static inline rgb brdf_glossy_factor(const struct brdf *b) {
+    return b->coat && !brdf_is_factored(b) ? rgb_grey(1.0f) : b->specular;
+}
+static inline struct brdf brdf_white(const struct brdf *b) {
+    struct brdf white = *b;
+    if (brdf_is_factored(b)) white.specular = rgb_grey(1.0f);
+    return white;
+}
+
+// Whether two BRDFs have the same glossy lobe, apart from brdf_glossy_factor and `transmittance`.
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b);
 // Whether the glossy lobe depends on `diffuse`: the metallic or tinted principled models.
 static inline bool brdf_tinted(const struct brdf *b) {
@@ -306,7 +339,7 @@ struct brdf_fit {
     float max_error;  // of reflected radiance, see brdf_table.c
     bool always;      // directions whose error is larger have the largest order, instead of none
 };
-// Builds the table of b for a `specular` factor of 1.
+// Builds the table of brdf_white(b).
 satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
                               struct parallel *pool, struct brdf_table **out);
 void brdf_table_free(struct brdf_table *table);  // NULL is allowed
@@ -315,7 +348,7 @@ struct brdf_table_info brdf_table_describe(const struct brdf_table *table);
 // The order n at wo, or 0 if the error there exceeds the bound.
 int brdf_table_order(const struct brdf_table *table, vec3 wo);
 // Writes the interpolated coefficients for wo, channel by channel: c[channel * n * n + l (l + 1) +
-// m], which are to be multiplied by `specular`. Returns n, or returns 0 and writes nothing.
+// m], which are to be multiplied by brdf_glossy_factor. Returns n, or returns 0 and writes nothing.
 int brdf_table_lookup(const struct brdf_table *table, vec3 wo, float *c);
 
 // Tables over a range of roughness, for materials that texture it (brdf_range.c).

@@ -23,6 +23,11 @@ void brdf_diffuse_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, fl
 void brdf_mean_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                              float *delta);
 
+// The lobes of a coated BRDF that are not zero, given those of the nested one, and the model of
+// that (brdf_coat.c).
+unsigned brdf_coat_lobes(const struct brdf *b, unsigned nested);
+const struct brdf_model *brdf_coat_nested(const struct brdf *b);
+
 // Tabulates the albedo of the glossy lobe of b, if there is one (brdf_albedo.c).
 satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena);
 

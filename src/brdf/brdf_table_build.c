@@ -27,7 +27,7 @@ enum {
 static const float RADIUS_ERROR = 1e-4f, QUADRANT_ERROR = 1e-3f;
 
 struct table_build {
-    const struct brdf *brdf;  // with a `specular` factor of 1
+    const struct brdf *brdf;  // from brdf_white
     const struct brdf_fit *fit;
     struct brdf_table *table;
     struct project_rule rule;
@@ -237,8 +237,7 @@ satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
     const int max_order = fit->max_order;
     if (!(b->model->lobes & BRDF_GLOSSY) || max_order < 1 || max_order > TABLE_ORDER_MAX)
         return SATIN_ERROR_ARGUMENT;
-    struct brdf white = *b;
-    white.specular = rgb_grey(1.0f);
+    const struct brdf white = brdf_white(b);
     struct brdf_table *t = table_new(&white, brdf_rsh_basis(fit->basis), max_order);
     if (!t) return SATIN_ERROR_MEMORY;
     struct table_build build = {.brdf = &white, .fit = fit};

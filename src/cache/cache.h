@@ -54,7 +54,7 @@ struct cache_lobe {
 static inline vec3 cache_mirror(const struct frame *frame, vec3 wo) {
     return frame_to_world(frame, v3(-wo.x, -wo.y, wo.z));
 }
-// Sets *glossy to the radiance that the lobe reflects, without the BRDF's factor `specular`, and *E
+// Sets *glossy to the radiance that the lobe reflects, without brdf_glossy_factor, and *E
 // to the irradiance from the same records. If lobe is NULL, *glossy is unchanged and may be NULL; E
 // may be NULL. If no record is near, count is 0 and both are unchanged.
 struct cache_used cache_radiance(const struct cache *cache, const struct cache_lookup *at, float a,
@@ -129,7 +129,7 @@ void cache_plan_make(const struct cache_reader *reader, const struct shading_poi
 // The kinds of records that the plan of a point uses, a mask of 1 << cache_kind; 0: none.
 unsigned cache_plan_kinds(const struct cache_reader *reader, const struct shading_point *p);
 // Reads from radiance records the light that the glossy lobes reflect, without the factor
-// brdf.specular, and the irradiance, if the plan uses them. If count is 0, both are unchanged.
+// brdf_glossy_factor, and the irradiance, if the plan uses them. If count is 0, both are unchanged.
 struct cache_used cache_plan_radiance(const struct cache_reader *reader,
                                       const struct cache_plan *plan, const struct shading_point *p,
                                       const struct cache_lookup *at, rgb *glossy, rgb *E);

@@ -14,7 +14,7 @@ static void make_surface(const struct cache_plan *plan, const struct shading_poi
                                     .number = cache_lobe_number(y),
                                     .mirror = cache_mirror(&y->frame, y->wo_l)};
     if (!(lobes & BRDF_GLOSSY)) return;
-    out->specular = rgb_scale(y->brdf.specular, plan->bump);
+    out->specular = rgb_scale(brdf_glossy_factor(&y->brdf), plan->bump);
     out->lobe.order = brdf_range_lookup(plan->table, &y->brdf, y->wo_l, out->coefficients);
 }
 

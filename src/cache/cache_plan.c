@@ -75,7 +75,7 @@ unsigned cache_add_reflected(const struct cache_reader *reader, const struct sha
     if (plan.cached && cache_plan_radiance(reader, &plan, y, &at, &glossy, &E).count) {
         known |= plan.cached;
         if (plan.cached & BRDF_GLOSSY)
-            *L = rgb_fma(*L, rgb_scale(y->brdf.specular, plan.bump), glossy);
+            *L = rgb_fma(*L, rgb_scale(brdf_glossy_factor(&y->brdf), plan.bump), glossy);
     } else if (plan.diffuse &&
                cache_irradiance(reader->cache, &at, reader->a[CACHE_IRRADIANCE], &E).count) {
         known |= plan.diffuse;

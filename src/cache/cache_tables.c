@@ -5,16 +5,23 @@
 
 #include "cache/cache.h"
 
+// Whether the glossy lobe has the colour of a texture, and not as a factor.
+static bool is_tinted_by_texture(const struct material_side *side) {
+    if (side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base)) return true;
+    return !brdf_is_factored(&side->base) &&
+           (side->slot[BRDF_SLOT_SPECULAR] || side->slot[BRDF_SLOT_COAT_SPECULAR]);
+}
+
 bool cache_shape_textured(const struct material_side *side) {
     for (int i = BRDF_SLOT_ETA; i < BRDF_SLOT_COUNT; i++)
         if (side->slot[i]) return true;
-    return side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base);
+    return is_tinted_by_texture(side);
 }
 
 // Whether textures change only the roughness, equally along both axes; and its range.
 static bool textures_roughness_only(const struct material_side *side, struct brdf_roughness *over) {
     const bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
-    if (side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base)) return false;
+    if (is_tinted_by_texture(side)) return false;
     if (side->base.anisotropic != 0.0f) return false;
     if (two && side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V]) return false;
     for (int i = BRDF_SLOT_ETA; i < BRDF_SLOT_COUNT; i++)

@@ -13,7 +13,7 @@
 
 // The glossy lobes of a surface point for the direction to the eye.
 struct fill_glossy {
-    struct brdf brdf;                // for a factor `specular` of 1
+    struct brdf brdf;                // from brdf_white
     const struct brdf_range *table;  // table of its harmonics; NULL: there is no glossy lobe, or it
                                      // is not cached
     int channels;                    // of the table: 1 or 3

@@ -105,7 +105,7 @@ struct shade_pixel_cache {
         bool has_radiance;       // whether E and `glossy` were, from radiance records
         struct cache_used used;  // records from which E was interpolated
         rgb E;                   // indirect irradiance by either cache
-        rgb glossy;              // reflected by the glossy lobes, without the factor brdf.specular
+        rgb glossy;              // reflected by the glossy lobes, without brdf_glossy_factor
     } value[SHADE_PIXEL_VALUES];
     int count, next;
 };

@@ -20,8 +20,7 @@ static void add_glossy(const struct shade *shade, const struct shading_point *p,
                         ? cache_table(shade->records.tables, p->side, &glossy->channels)
                         : NULL;
     if (!glossy->table) return;
-    glossy->brdf = p->brdf;
-    glossy->brdf.specular = rgb_grey(1.0f);
+    glossy->brdf = brdf_white(&p->brdf);
     glossy->lobe_number = cache_lobe_number(p);
     glossy->wo = base_wo(p);
 }
@@ -37,7 +36,7 @@ static void add_light(const struct shade *shade, const struct shading_point *bum
     p.frame = p.base;
     site->shading_p = p.interaction.p;
     site->diffuse = rgb_scale(brdf_albedo(&p.brdf, p.wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
-    site->specular = p.brdf.specular;
+    site->specular = brdf_glossy_factor(&p.brdf);
     site->direct = rgb_luminance(
         gather_sample_lights(shade->g, &p, lights_alone, light_samples, sampler, NULL));
 }

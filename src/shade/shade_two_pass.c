@@ -78,7 +78,7 @@ static bool indirect_cached(struct shade_lighting *lighting, const struct cache_
         value->has_radiance = true;
     }
     note_records(lighting, value->used);
-    rgb factor = rgb_scale(p->brdf.specular, plan->bump);
+    rgb factor = rgb_scale(brdf_glossy_factor(&p->brdf), plan->bump);
     if (shiny) shade_add_cached(lighting, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, value->glossy));
     if (diffuse)
         shade_add_cached(lighting, SHADE_INDIRECT_DIFFUSE,

@@ -19,7 +19,7 @@ BOUND = 1e-4
 DIRECTIONS = 150
 rng = np.random.default_rng(7)
 
-
+NO_COAT = (0.0, 0.0, 0.0)
 # The principled models' numbers, in the order of enum brdf_slot.
 NUMBERS = ("metallic", "anisotropic", "spec_trans", "spec_tint", "sheen", "sheen_tint", "flatness",
            "clearcoat", "clearcoat_gloss", "diff_trans")
@@ -40,8 +40,9 @@ class Params(dict):
 
     def line(self):
         p = self
-        numbers = [p["ior"], *p["diffuse"], *p["specular"], *p["transmittance"], *p["eta"], *p["k"],
-                   p["au"], p["av"], p["exponent"], *[p[name] for name in NUMBERS]]
+        numbers = [p["ior"], *p["diffuse"], *p["specular"], *p["transmittance"], *NO_COAT,
+                   *p["eta"], *p["k"], *NO_COAT, p["au"], p["av"], p["exponent"],
+                   *[p[name] for name in NUMBERS], p["ior"]]
         return (f"b {p['model']} {p['distribution']} {p['variant']} {p['nonlinear']} "
                 + " ".join(f"{x:.9g}" for x in numbers))
 

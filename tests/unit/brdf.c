@@ -463,7 +463,7 @@ static void unusual_input_does_no_harm(void **state) {
     for (int i = 0; i < CASES; i++) {
         struct brdf b = brdf_case_make(cases + i, &arena), black = b;
         black.diffuse = black.specular = black.transmittance = rgb_grey(0.0f);
-        black.sheen = 0.0f;
+        black.coat_specular = rgb_grey(black.sheen = 0.0f);
         struct brdf_sample s;
         const float extremes[2] = {0.0f, 0x1.fffffep-1f};
         assert_int_equal(brdf_lobes(&black), 0);

@@ -304,8 +304,10 @@ static void textures_fit_their_models(void **state) {
         {"reflectance", "diffuse_reflectance", "base_color"},
         {"specular_reflectance", NULL},
         {"specular_transmittance", NULL},
+        {NULL},  // of coats
         {"eta", NULL},
         {"k", NULL},
+        {NULL},
         {"alpha", "alpha_u", "roughness"},
         {"alpha", "alpha_v"},
         {"exponent", NULL},
