@@ -28,8 +28,8 @@ struct unread_kind {
 static const char *const unread_shapes[] = {
     "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "heightfield", "hair", "mesh", NULL};
 static const char *const unread_bsdfs[] = {
-    "measured",           "hair",    "pplastic",     "polarizer", "retarder", "circular",
-    "measured_polarized", "coating", "roughcoating", "hk",        "irawan",   NULL};
+    "measured",           "hair", "pplastic", "polarizer", "retarder", "circular",
+    "measured_polarized", "hk",   "irawan",   NULL};
 static const char *const unread_textures[] = {"volume", "volumeadapter", "wireframe", "curvature",
                                               NULL};
 static const char *const unread_emitters[] = {"timed_sunsky", "volumelight", "collimated", NULL};

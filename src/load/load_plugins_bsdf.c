@@ -30,7 +30,7 @@ static const struct param_spec lobe_reflectance = {
 static const struct param_spec specular_transmittance = {
     "specular_transmittance",       PARAM_COLOR, "1", RANGE_UNIT, PARAM_TEXTURE, NULL,
     "A factor of the transmission."};
-static const struct param_spec glass_ior = {
+const struct param_spec bsdf_glass_ior = {
     "int_ior",
     PARAM_IOR,
     "bk7",
@@ -46,7 +46,7 @@ static const struct param_spec plastic_ior = {
     0,
     NULL,
     "The index of refraction inside, or the name of a medium."};
-static const struct param_spec ext_ior = {
+const struct param_spec bsdf_ext_ior = {
     "ext_ior",
     PARAM_IOR,
     "air",
@@ -87,13 +87,13 @@ static const struct param_spec metal_ext_eta = {
     0,
     NULL,
     "The index of refraction outside, or the name of a medium. `eta` and `k` are divided by it."};
-static const struct param_spec distribution = {"distribution",
-                                               PARAM_CHOICE,
-                                               "beckmann",
-                                               0,
-                                               0,
-                                               distributions,
-                                               "The distribution of the microfacets' normals."};
+const struct param_spec bsdf_distribution = {"distribution",
+                                             PARAM_CHOICE,
+                                             "beckmann",
+                                             0,
+                                             0,
+                                             distributions,
+                                             "The distribution of the microfacets' normals."};
 static const struct param_spec alpha = {"alpha",
                                         PARAM_FLOAT,
                                         ".1",
@@ -101,7 +101,7 @@ static const struct param_spec alpha = {"alpha",
                                         PARAM_TEXTURE,
                                         NULL,
                                         "The roughness alpha of the microfacets."};
-static const struct param_spec plastic_alpha = {
+const struct param_spec bsdf_constant_alpha = {
     "alpha", PARAM_FLOAT, ".1", RANGE_MODEST, 0, NULL, "The roughness alpha of the microfacets."};
 static const struct param_spec alpha_u = {
     "alpha_u", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "The roughness along u."};
@@ -111,13 +111,13 @@ static const struct param_spec ward_alpha_u = {
     "alpha_u", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "The roughness along u."};
 static const struct param_spec ward_alpha_v = {
     "alpha_v", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "The roughness along v."};
-static const struct param_spec sample_visible = {"sample_visible",
-                                                 PARAM_BOOLEAN,
-                                                 "true",
-                                                 0,
-                                                 0,
-                                                 NULL,
-                                                 "It has no effect: Mitsuba uses it for sampling."};
+const struct param_spec bsdf_sample_visible = {"sample_visible",
+                                               PARAM_BOOLEAN,
+                                               "true",
+                                               0,
+                                               0,
+                                               NULL,
+                                               "It has no effect: Mitsuba uses it for sampling."};
 static const struct param_spec phong_exponent = {"exponent",
                                                  PARAM_FLOAT,
                                                  "30",
@@ -198,35 +198,35 @@ static param_list roughdiffuse_params = {&diffuse_reflectance, &groove_alpha, &f
 static param_list conductor_params = {
     &metal_name, &metal_eta, &metal_k, &bsdf_specular_reflectance, &metal_ext_eta, NULL};
 static param_list roughconductor_params = {
-    &metal_name,     &metal_eta,     &metal_k, &bsdf_specular_reflectance,
-    &distribution,   &alpha,         &alpha_u, &alpha_v,
-    &sample_visible, &metal_ext_eta, NULL};
-static param_list dielectric_params = {&glass_ior, &ext_ior, &bsdf_specular_reflectance,
+    &metal_name,          &metal_eta,     &metal_k, &bsdf_specular_reflectance,
+    &bsdf_distribution,   &alpha,         &alpha_u, &alpha_v,
+    &bsdf_sample_visible, &metal_ext_eta, NULL};
+static param_list dielectric_params = {&bsdf_glass_ior, &bsdf_ext_ior, &bsdf_specular_reflectance,
                                        &specular_transmittance, NULL};
-static param_list roughdielectric_params = {&glass_ior,
-                                            &ext_ior,
+static param_list roughdielectric_params = {&bsdf_glass_ior,
+                                            &bsdf_ext_ior,
                                             &bsdf_specular_reflectance,
                                             &specular_transmittance,
-                                            &distribution,
+                                            &bsdf_distribution,
                                             &alpha,
                                             &alpha_u,
                                             &alpha_v,
-                                            &sample_visible,
+                                            &bsdf_sample_visible,
                                             NULL};
 static param_list plastic_params = {&bsdf_diffuse_reflectance,
                                     &bsdf_specular_reflectance,
                                     &plastic_ior,
-                                    &ext_ior,
+                                    &bsdf_ext_ior,
                                     &nonlinear,
                                     NULL};
 static param_list roughplastic_params = {&bsdf_diffuse_reflectance,
                                          &bsdf_specular_reflectance,
                                          &plastic_ior,
-                                         &ext_ior,
+                                         &bsdf_ext_ior,
                                          &nonlinear,
-                                         &distribution,
-                                         &plastic_alpha,
-                                         &sample_visible,
+                                         &bsdf_distribution,
+                                         &bsdf_constant_alpha,
+                                         &bsdf_sample_visible,
                                          NULL};
 static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, &phong_exponent,
                                   NULL};
@@ -465,6 +465,10 @@ const struct plugin_spec load_bsdf_plugins[] = {
      0, load_bsdf_principledthin_build, false},
     {XML_BSDF, "difftrans", "diffuse transmission, as in Mitsuba 0.6", bsdf_difftrans_params, 0,
      load_bsdf_difftrans_build, false},
+    {XML_BSDF, "coating", "a BRDF under a smooth coat, as in Mitsuba 0.6", bsdf_coat_params,
+     1u << XML_BSDF, NULL, false},
+    {XML_BSDF, "roughcoating", "a BRDF under a rough coat, as in Mitsuba 0.6",
+     bsdf_roughcoat_params, 1u << XML_BSDF, NULL, false},
     {XML_BSDF, "twosided", "one BRDF for both sides, or two for front and back", NULL,
      1u << XML_BSDF, NULL, false},
     {XML_BSDF, "blendbsdf", "a weighted mean of two BRDFs", blend_params, 1u << XML_BSDF, NULL,

@@ -21,6 +21,9 @@ float load_bsdf_roughness(struct load_state *loader, const struct param_value *v
 satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct params *p,
                                         struct material_side *side);
 extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
+// load_plugins_bsdf.c
+extern const struct param_spec bsdf_glass_ior, bsdf_ext_ior, bsdf_distribution, bsdf_constant_alpha,
+    bsdf_sample_visible;
 
 // ---- BRDFs
 
@@ -39,6 +42,19 @@ satin_status load_bsdf_difftrans_build(struct load_state *loader, const struct p
 
 // load_plugins_material.c
 extern param_list bsdf_mixture_params;
+
+// load_plugins_coat.c
+extern param_list bsdf_coat_params, bsdf_roughcoat_params;
+// A coat with the textures that replace its colours, or NULL.
+struct bsdf_coat {
+    struct brdf_coating coating;
+    const struct texture *specular, *depth;
+};
+satin_status load_bsdf_coat_read(struct load_state *loader, const struct params *p,
+                                 struct bsdf_coat *out);
+// Puts a coat, struct bsdf_coat in ctx, over a leaf. Logs an error if that is not possible.
+satin_status load_bsdf_coat_side(struct load_state *loader, const struct params *p,
+                                 struct material_side *leaf, const void *ctx);
 
 // load_plugins_measured.c
 extern param_list bsdf_lafortune_params, bsdf_measured_params;

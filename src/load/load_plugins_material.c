@@ -276,6 +276,22 @@ static satin_status build_mask(struct load_state *loader, const struct params *p
     return SATIN_OK;
 }
 
+// ---- coating, roughcoating ----------------------------------------------------------------------
+
+static satin_status build_coat(struct load_state *loader, const struct params *p,
+                               struct material *out) {
+    struct bsdf_coat coat;
+    int count;
+    satin_status status = load_bsdf_coat_read(loader, p, &coat);
+    if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);
+    if (status == SATIN_OK)
+        status = change_leaves(loader, p, &out->front, load_bsdf_coat_side, &coat);
+    if (status == SATIN_OK && out->two_sided)
+        return change_leaves(loader, p, &out->back, load_bsdf_coat_side, &coat);
+    out->back = out->front;
+    return status;
+}
+
 // ---- bumpmap, normalmap -------------------------------------------------------------------------
 
 static satin_status set_bump(struct load_state *loader, const struct params *p,
@@ -353,6 +369,8 @@ static satin_status build_any(struct load_state *loader, const struct params *p,
     if (strcmp(name, "blendbsdf") == 0) return build_blend(loader, p, out);
     if (strcmp(name, "mixturebsdf") == 0) return build_mixture(loader, p, out);
     if (strcmp(name, "mask") == 0) return build_mask(loader, p, out);
+    if (p->plugin->params == bsdf_coat_params || p->plugin->params == bsdf_roughcoat_params)
+        return build_coat(loader, p, out);
     return build_bump_or_normal(loader, p, strcmp(name, "bumpmap") == 0, out);
 }
 
