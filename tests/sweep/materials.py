@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random reflection models for rooms.py: every surface BRDF that a scene file may hold, MERL's
-files aside, which are large."""
+"""Random reflection models for rooms.py: every surface BRDF that a scene file may hold, apart from
+MERL's files, which are large, and from roughdiffuse and the coats, which came later: a room stays a
+function of its number."""
 import math
 import pathlib
 import sys
