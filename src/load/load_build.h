@@ -79,6 +79,22 @@ satin_status load_mesh_rectangle(struct arena *arena, const struct mesh_request 
 satin_status load_mesh_cube(struct arena *arena, const struct mesh_request *request,
                             struct mesh *out);
 
+// A grid of heights: row by row, the first row at y = -1. A row or a column alone counts twice.
+struct heights {
+    int width, height;   // columns and rows, of both 1 at least and 2^26 together at most
+    int channels;        // 1 or 3
+    const float *value;  // finite
+    rgb factor;          // of the values, whose luminance is the height
+};
+enum { HEIGHTS_MAX = 1 << 26 };  // as many triangles as the largest mesh file has
+
+// Makes a surface over [-1, 1]^2 with its vertices at the heights: two triangles per cell, whose
+// common edge goes from (x, y) to (x + 1, y + 1), texture coordinates from (0, 0) at (-1, -1) to
+// (1, 1), and vertex normals as in Mitsuba 0.6 unless request->face_normals. SATIN_ERROR_INPUT,
+// without a message, if a position is not finite or too far away.
+satin_status load_mesh_heightfield(struct arena *arena, const struct mesh_request *request,
+                                   const struct heights *heights, struct mesh *out);
+
 // Reads lines `x y z radius`, one control point each; blank lines separate curves. Points are
 // transformed to world space, but radii are not, as in Mitsuba. If `linear`, a curve is straight
 // segments between two or more points; else it is a cubic B-spline of four or more.
@@ -90,6 +106,11 @@ satin_status load_curves(const struct load_source *source, const struct mat4 *to
 // One that does not fit into the limit is not read but replaced by a small one.
 satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
                         struct image **out);
+// Reads an image of heights as load_image does. All values must be finite, but may be negative, and
+// the size is that of the file. The texels are an array alone in the arena. *module is set to true
+// if OpenImageIO read it.
+satin_status load_image_heights(const struct load_source *source, bool raw, bool *module,
+                                struct image **out);
 // Makes all smaller copies of an image, down to one texel. False if there is no memory.
 bool load_image_levels(struct arena *arena, const struct image *image, struct image **level,
                        int *levels);

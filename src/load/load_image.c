@@ -53,6 +53,21 @@ static void finish_texels(const struct load_source *source, float *texel, size_t
                     source->path, bad, (double)TEXEL_LIMIT);
 }
 
+// Decodes heights and checks that they are finite.
+static satin_status finish_heights(const struct load_source *source, const struct image *image,
+                                   float *texel, bool decode) {
+    const size_t row = (size_t)image->width * (size_t)image->channels;
+    for (size_t i = 0; i < row * (size_t)image->height; i++) {
+        if (decode) texel[i] = load_srgb_to_linear(texel[i]);
+        if (isfinite(texel[i])) continue;
+        log_error_at(source->log, source->place,
+                     "image '%s': the height in column %zu of row %zu is not finite", source->path,
+                     i % row / (size_t)image->channels + 1, i / row + 1);
+        return SATIN_ERROR_INPUT;
+    }
+    return SATIN_OK;
+}
+
 static satin_status image_error(const struct load_source *source, const char *problem,
                                 bool no_memory) {
     log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path,
@@ -79,8 +94,15 @@ static satin_status check_size(const struct load_source *source, const struct op
     return SATIN_ERROR_INPUT;
 }
 
+// What the texels of an image are.
+struct texel_kind {
+    bool raw;      // plain numbers, which are not decoded from sRGB
+    bool heights;  // numbers of any sign; else light or reflectances
+};
+
 static satin_status read_texels(const struct load_source *source, const struct image_reader *reader,
-                                struct opened_image *opened, bool raw, struct image **out) {
+                                struct opened_image *opened, struct texel_kind kind,
+                                struct image **out) {
     size_t pixels = (size_t)opened->width * (size_t)opened->height;
     size_t count = pixels * (size_t)opened->channels;
     float *texel = arena_array_alone(source->arena, count, sizeof *texel);
@@ -91,9 +113,11 @@ static satin_status read_texels(const struct load_source *source, const struct i
     char error[512] = "";
     const enum reader_result result = reader->read(opened, texel, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
-    finish_texels(source, texel, count, !raw && opened->srgb);
+    const bool decode = !kind.raw && opened->srgb;
     *image = scene_image_make(opened->width, opened->height, opened->channels, texel);
     *out = image;
+    if (kind.heights) return finish_heights(source, image, texel, decode);
+    finish_texels(source, texel, count, decode);
     return SATIN_OK;
 }
 
@@ -111,35 +135,36 @@ static satin_status leave_out(const struct load_source *source, int channels, st
     return SATIN_OK;
 }
 
+// Reads an image whose size the limit of memory decides, unless `images` is NULL.
 static satin_status read_image(const struct load_source *source, struct load_images *images,
                                const struct image_reader *reader, const struct image_data *file,
-                               bool raw, struct image **out) {
+                               struct texel_kind kind, struct image **out) {
     struct opened_image opened;
     char error[512] = "";
     const enum reader_result result = reader->open(file, &opened, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
     satin_status status = check_size(source, &opened, file->size);
     const double values = (double)opened.width * opened.height * opened.channels;
-    bool admitted = false;
-    if (status == SATIN_OK && !load_images_admit(images, values, &admitted))
+    bool admitted = !images;
+    if (status == SATIN_OK && images && !load_images_admit(images, values, &admitted))
         status = log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
                           source->path);
     if (status == SATIN_OK)
-        status = admitted ? read_texels(source, reader, &opened, raw, out)
+        status = admitted ? read_texels(source, reader, &opened, kind, out)
                           : leave_out(source, opened.channels, out);
     reader->close(&opened);
     return status;
 }
 
-satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
-                        struct image **out) {
+static satin_status load_any_image(const struct load_source *source, struct load_images *images,
+                                   struct texel_kind kind, bool *used, struct image **out) {
     char *data;
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct image_data file = {source->path, data, size};
     if (load_image_is_png(&file)) {
-        status = read_image(source, images, &load_image_png, &file, raw, out);
+        status = read_image(source, images, &load_image_png, &file, kind, out);
         free(data);
         return status;
     }
@@ -147,6 +172,18 @@ satin_status load_image(const struct load_source *source, struct load_images *im
     file.data = NULL;
     const struct image_reader *module = open_module(source->log, source->place);
     if (!module) return SATIN_ERROR_INTERNAL;
-    images->module = true;
-    return read_image(source, images, module, &file, raw, out);
+    *used = true;
+    return read_image(source, images, module, &file, kind, out);
+}
+
+satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
+                        struct image **out) {
+    const struct texel_kind kind = {.raw = raw};
+    return load_any_image(source, images, kind, &images->module, out);
+}
+
+satin_status load_image_heights(const struct load_source *source, bool raw, bool *module,
+                                struct image **out) {
+    const struct texel_kind kind = {.raw = raw, .heights = true};
+    return load_any_image(source, NULL, kind, module, out);
 }

@@ -167,8 +167,9 @@ bool load_plugin_unread(const struct xml_node *node);
 const char *load_plugin_noun(enum xml_tag tag);
 
 extern const struct plugin_spec load_bsdf_plugins[], load_texture_plugins[], load_shape_plugins[],
-    load_group_plugins[], load_emitter_plugins[], load_sensor_plugins[], load_film_plugins[],
-    load_integrator_plugins[], load_spectrum_plugins[], load_daylight_plugins[];
+    load_shape06_plugins[], load_group_plugins[], load_emitter_plugins[], load_sensor_plugins[],
+    load_film_plugins[], load_integrator_plugins[], load_spectrum_plugins[],
+    load_daylight_plugins[];
 
 // Named indices of refraction (load_ior.c). False if the name is unknown. The names can be listed
 // by index; NULL beyond the last.

@@ -7,17 +7,10 @@
 #include "load/load.h"
 #include "load/load_params.h"
 
-static const struct plugin_spec *const tables[] = {load_shape_plugins,
-                                                   load_group_plugins,
-                                                   load_bsdf_plugins,
-                                                   load_texture_plugins,
-                                                   load_emitter_plugins,
-                                                   load_sensor_plugins,
-                                                   load_film_plugins,
-                                                   load_integrator_plugins,
-                                                   load_spectrum_plugins,
-                                                   load_daylight_plugins,
-                                                   NULL};
+static const struct plugin_spec *const tables[] = {
+    load_shape_plugins,      load_shape06_plugins,  load_group_plugins,    load_bsdf_plugins,
+    load_texture_plugins,    load_emitter_plugins,  load_sensor_plugins,   load_film_plugins,
+    load_integrator_plugins, load_spectrum_plugins, load_daylight_plugins, NULL};
 
 // Plugins that Mitsuba 3 has and satin does not read.
 struct unread_kind {
@@ -26,7 +19,7 @@ struct unread_kind {
 };
 
 static const char *const unread_shapes[] = {
-    "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "heightfield", "hair", "mesh", NULL};
+    "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "hair", "mesh", NULL};
 static const char *const unread_bsdfs[] = {
     "measured",           "hair", "pplastic", "polarizer", "retarder", "circular",
     "measured_polarized", "hk",   "irawan",   NULL};

@@ -7,19 +7,20 @@
 
 #include "base/array.h"
 #include "load/load_attribute.h"
+#include "load/load_plugins_shape.h"
 #include "load/load_state.h"
 
 // The least area of an emitter: the cube of its size is in the range of float.
 #define EMITTER_AREA_MIN 1e-24f
 
-static const struct param_spec shape_to_world = {"to_world",
-                                                 PARAM_TRANSFORM,
-                                                 "1",
-                                                 0,
-                                                 0,
-                                                 NULL,
-                                                 "The transform from object space to world space."};
-static const struct param_spec flip_normals = {
+const struct param_spec load_shape_to_world = {"to_world",
+                                               PARAM_TRANSFORM,
+                                               "1",
+                                               0,
+                                               0,
+                                               NULL,
+                                               "The transform from object space to world space."};
+const struct param_spec load_shape_flip_normals = {
     "flip_normals",
     PARAM_BOOLEAN,
     "false",
@@ -100,20 +101,36 @@ static const struct param_spec axis_end = {
 enum { SHAPES_MAX = 1 << 20 };  // each shape takes some kilobytes, whatever it is
 
 typedef const struct param_spec *const param_list[];
-static param_list obj_params = {&mesh_file,      &face_normals, &smooth_angle, &flip_v,
-                                &shape_to_world, &flip_normals, &silhouette,   NULL};
-static param_list ply_params = {&mesh_file,    &face_normals, &smooth_angle,
-                                &keep_v,       &colors_srgb,  &shape_to_world,
-                                &flip_normals, &silhouette,   NULL};
-static param_list serialized_params = {&mesh_file,    &shape_index, &face_normals,
-                                       &smooth_angle, &keep_v,      &shape_to_world,
-                                       &flip_normals, &silhouette,  NULL};
-static param_list flat_params = {&face_normals, &shape_to_world, &flip_normals, &silhouette, NULL};
-static param_list sphere_params = {&centre,       &radius,     &shape_to_world,
-                                   &flip_normals, &silhouette, NULL};
-static param_list disk_params = {&shape_to_world, &flip_normals, &silhouette, NULL};
-static param_list cylinder_params = {&axis_start,   &axis_end,   &radius, &shape_to_world,
-                                     &flip_normals, &silhouette, NULL};
+static param_list obj_params = {&mesh_file,           &face_normals,
+                                &smooth_angle,        &flip_v,
+                                &load_shape_to_world, &load_shape_flip_normals,
+                                &silhouette,          NULL};
+static param_list ply_params = {&mesh_file,
+                                &face_normals,
+                                &smooth_angle,
+                                &keep_v,
+                                &colors_srgb,
+                                &load_shape_to_world,
+                                &load_shape_flip_normals,
+                                &silhouette,
+                                NULL};
+static param_list serialized_params = {&mesh_file,
+                                       &shape_index,
+                                       &face_normals,
+                                       &smooth_angle,
+                                       &keep_v,
+                                       &load_shape_to_world,
+                                       &load_shape_flip_normals,
+                                       &silhouette,
+                                       NULL};
+static param_list flat_params = {&face_normals, &load_shape_to_world, &load_shape_flip_normals,
+                                 &silhouette, NULL};
+static param_list sphere_params = {
+    &centre, &radius, &load_shape_to_world, &load_shape_flip_normals, &silhouette, NULL};
+static param_list disk_params = {&load_shape_to_world, &load_shape_flip_normals, &silhouette, NULL};
+static param_list cylinder_params = {
+    &axis_start, &axis_end, &radius, &load_shape_to_world, &load_shape_flip_normals,
+    &silhouette, NULL};
 
 static const struct param_spec curve_file = {"filename",
                                              PARAM_STRING,
@@ -123,7 +140,8 @@ static const struct param_spec curve_file = {"filename",
                                              NULL,
                                              "The file of curves. Each line `x y z radius` is a "
                                              "control point; blank lines separate curves."};
-static param_list curve_params = {&curve_file, &shape_to_world, &flip_normals, &silhouette, NULL};
+static param_list curve_params = {&curve_file, &load_shape_to_world, &load_shape_flip_normals,
+                                  &silhouette, NULL};
 
 typedef satin_status (*mesh_reader)(const struct load_source *, const struct mesh_request *,
                                     struct mesh *);
@@ -256,8 +274,6 @@ static satin_status build_spline(struct load_state *loader, const struct params 
 static satin_status build_line(struct load_state *loader, const struct params *p, void *object) {
     return build_curves(loader, p, object, true);
 }
-
-#define SHAPE_CHILDREN (1u << XML_BSDF | 1u << XML_EMITTER)
 
 const struct plugin_spec load_shape_plugins[] = {
     {XML_SHAPE, "obj", "a Wavefront OBJ mesh", obj_params, SHAPE_CHILDREN, build_obj, false},

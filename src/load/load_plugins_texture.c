@@ -8,8 +8,6 @@
 #include "base/array.h"
 #include "load/load_state.h"
 
-enum { TEXTURE_NESTING_MAX = 8 };  // of checkerboards: visiting all textures in one takes 2^8 steps
-
 static const char *const filters[] = {"bilinear", "nearest", NULL};
 static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
 static const char *const formats[] = {"auto", "variant", "fp16", NULL};
@@ -244,14 +242,22 @@ void load_texture_scale(const struct texture *inner, rgb by, struct texture *out
                             .mean = rgb_mul(inner->mean, by)};
 }
 
-static satin_status build_scale(struct load_state *loader, const struct params *p, void *object) {
+satin_status load_texture_nested(struct load_state *loader, const struct params *p,
+                                 struct xml_node **out) {
     struct xml_node *at = NULL, *node = load_params_child(&loader->xml, p->node, XML_TEXTURE, &at);
     if (!node || load_params_child(&loader->xml, p->node, XML_TEXTURE, &at)) {
         log_error_at(loader->log, p->node->place, "texture 'scale' takes one <texture>");
         return SATIN_ERROR_INPUT;
     }
+    *out = node;
+    return SATIN_OK;
+}
+
+static satin_status build_scale(struct load_state *loader, const struct params *p, void *object) {
+    struct xml_node *node;
     const struct texture *inner;
-    satin_status status = load_texture_of(loader, node, &inner);
+    satin_status status = load_texture_nested(loader, p, &node);
+    if (status == SATIN_OK) status = load_texture_of(loader, node, &inner);
     if (status == SATIN_OK) load_texture_scale(inner, load_param(p, "scale")->color, object);
     return status;
 }

@@ -9,6 +9,9 @@
 #include "load/load_params.h"
 #include "scene/scene.h"
 
+// The most textures within textures, so that visiting all in a checkerboard takes 2^8 steps.
+enum { TEXTURE_NESTING_MAX = 8 };
+
 struct load_state {
     struct log log;
     const char *path;    // of the main file
@@ -76,6 +79,9 @@ bool load_file_missing(struct load_state *loader, const struct params *p, const 
 // The texture of a textured parameter, built on its first use (load_plugins_texture.c).
 satin_status load_texture_of(struct load_state *loader, struct xml_node *node,
                              const struct texture **out);
+// The only texture in a `scale` texture, whose parameters are given. Logs if there is no such one.
+satin_status load_texture_nested(struct load_state *loader, const struct params *p,
+                                 struct xml_node **out);
 // Makes a texture that is `inner` times a factor (load_plugins_texture.c).
 void load_texture_scale(const struct texture *inner, rgb by, struct texture *out);
 // Builds one side of a surface from the parameters of a <bsdf> that contains no other

@@ -28,6 +28,7 @@ static const struct kind {
      "<shape type='ply'>" NAMED "<bsdf type='diffuse'><texture name='reflectance' " COLOURS
      "</bsdf><emitter type='area'><texture name='radiance' " COLOURS "</emitter></shape>",
      NULL, 400},
+    {"heightfield", "<shape type='heightfield'>" NAMED GLOWS, NULL, 10000000},
     {"merl", "<shape type='sphere'><bsdf type='merl'>" NAMED "</bsdf></shape>", pack_merl, 10},
     {"tabulated", "<shape type='sphere'><bsdf type='tabulated'>" NAMED "</bsdf></shape>", NULL,
      100},
