@@ -101,6 +101,22 @@ satin_status load_mesh_heightfield(struct arena *arena, const struct mesh_reques
 satin_status load_curves(const struct load_source *source, const struct mat4 *to_world, bool linear,
                          struct curves *out);
 
+// How the strands of a file become curves.
+struct hair_request {
+    struct mat4 to_world;
+    float radius;           // world space, > 0
+    float angle_threshold;  // [degrees], 0 to 90
+    float reduction;        // the fraction of strands that are left out, in [0, 1)
+};
+
+// Reads the strands of Mitsuba 0.6 as straight segments: lines `x y z`, where a blank line or one
+// that begins with # separates strands, or the binary form that load_hair.c describes. The radius
+// is the same everywhere. Points that repeat the one before are dropped; a point replaces the one
+// before if the direction to it differs by less than the threshold. Strands without a segment count
+// for nothing, but a file without any is SATIN_ERROR_INPUT, as is one that is damaged.
+satin_status load_hair(const struct load_source *source, const struct hair_request *request,
+                       struct curves *out);
+
 // Reads an image by libpng or OpenImageIO to linear floats with 1 or 3 channels, without alpha.
 // Unless `raw`, 8- and 16-bit data that is sRGB or untagged is converted to linear.
 // One that does not fit into the limit is not read but replaced by a small one.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads curves from Mitsuba's text files.
+#include "load/load_curve.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,14 +9,68 @@
 #include "load/load_mesh.h"
 #include "load/load_mesh_text.h"
 
+bool load_curve_in_range(vec3 p, double radius) {
+    return radius >= 0.0 && radius < 1e15 && v3_max_abs(p) < 1e15f;
+}
+
+satin_status load_curve_point(struct curve_list *list, vec3 p, float radius) {
+    if (!array_reserve((void **)&list->point, &list->point_capacity, list->points * 4 + 4,
+                       sizeof(float)))
+        return load_mesh_no_memory(list->source);
+    const float out[4] = {p.x, p.y, p.z, radius};
+    memcpy(list->point + list->points++ * 4, out, sizeof out);
+    return SATIN_OK;
+}
+
+satin_status load_curve_end(struct curve_list *list, size_t needed) {
+    const size_t count = list->points - list->start;
+    if (!array_reserve((void **)&list->first, &list->first_capacity, list->segments + count,
+                       sizeof *list->first))
+        return load_mesh_no_memory(list->source);
+    for (size_t i = 0; i + needed <= count; i++)
+        list->first[list->segments++] = (uint32_t)(list->start + i);
+    list->start = list->points;
+    return SATIN_OK;
+}
+
+// Sets a bit for each neighbour that a segment has in its curve, as Embree needs.
+static uint8_t *neighbour_flags(struct arena *arena, const struct curve_list *list) {
+    uint8_t *flags = arena_array(arena, list->segments, 1);
+    for (size_t i = 0; flags && i < list->segments; i++) {
+        bool left = i > 0 && list->first[i - 1] + 1 == list->first[i];
+        bool right = i + 1 < list->segments && list->first[i] + 1 == list->first[i + 1];
+        flags[i] = (uint8_t)(left | right << 1);
+    }
+    return flags;
+}
+
+satin_status load_curve_store(const struct curve_list *list, bool linear, struct curves *out) {
+    struct arena *arena = list->source->arena;
+    struct curves c = {.segments = (uint32_t)list->segments, .linear = linear};
+    float *point = arena_array(arena, list->points * 4, sizeof *point);
+    uint32_t *first = arena_array(arena, list->segments, sizeof *first);
+    c.flags = neighbour_flags(arena, list);
+    if (!point || !first || !c.flags) return load_mesh_no_memory(list->source);
+    memcpy(point, list->point, list->points * 4 * sizeof *point);
+    memcpy(first, list->first, list->segments * sizeof *first);
+    c.points = (uint32_t)list->points;
+    c.point = point;
+    c.first = first;
+    *out = c;
+    return SATIN_OK;
+}
+
+void load_curve_free(struct curve_list *list) {
+    free(list->point);
+    free(list->first);
+}
+
+// ---- Curves with a radius per point -------------------------------------------------------------
+
 struct curve_reader {
-    const struct load_source *source;
+    struct curve_list list;
     struct mesh_text text;
     const struct mat4 *to_world;
-    float *point;
-    uint32_t *first;
-    size_t points, point_capacity, segments, first_capacity;
-    size_t start;   // first point of the curve that is being read
     size_t needed;  // number of points of a segment
 };
 
@@ -23,32 +79,22 @@ static satin_status read_point(struct curve_reader *r) {
     for (int i = 0; i < 4; i++) {
         load_mesh_text_skip_blanks(&r->text);
         if (!load_mesh_text_number(&r->text, &value[i]) || !isfinite((float)value[i]))
-            return load_mesh_error(r->source, r->text.line, "expected a point: x y z radius");
+            return load_mesh_error(r->list.source, r->text.line, "expected a point: x y z radius");
     }
     vec3 p = mat4_point(r->to_world, v3((float)value[0], (float)value[1], (float)value[2]));
-    if (!(value[3] >= 0.0 && value[3] < 1e15) || !(v3_max_abs(p) < 1e15f))
-        return load_mesh_error(r->source, r->text.line, "the point or its radius is out of range");
-    if (!array_reserve((void **)&r->point, &r->point_capacity, r->points * 4 + 4, sizeof(float)))
-        return load_mesh_no_memory(r->source);
-    const float out[4] = {p.x, p.y, p.z, (float)value[3]};
-    memcpy(r->point + r->points++ * 4, out, sizeof out);
-    return SATIN_OK;
+    if (!load_curve_in_range(p, value[3]))
+        return load_mesh_error(r->list.source, r->text.line,
+                               "the point or its radius is out of range");
+    return load_curve_point(&r->list, p, (float)value[3]);
 }
 
-// Ends a curve: a segment starts at every point that has enough points after it.
 static satin_status end_curve(struct curve_reader *r) {
-    size_t count = r->points - r->start;
+    const size_t count = r->list.points - r->list.start;
     if (!count) return SATIN_OK;
     if (count < r->needed)
-        return load_mesh_error(r->source, r->text.line, "a curve of %zu points, but it needs %zu",
-                               count, r->needed);
-    if (!array_reserve((void **)&r->first, &r->first_capacity, r->segments + count,
-                       sizeof *r->first))
-        return load_mesh_no_memory(r->source);
-    for (size_t i = 0; i + r->needed <= count; i++)
-        r->first[r->segments++] = (uint32_t)(r->start + i);
-    r->start = r->points;
-    return SATIN_OK;
+        return load_mesh_error(r->list.source, r->text.line,
+                               "a curve of %zu points, but it needs %zu", count, r->needed);
+    return load_curve_end(&r->list, r->needed);
 }
 
 static satin_status read_curve_lines(struct curve_reader *r) {
@@ -59,39 +105,13 @@ static satin_status read_curve_lines(struct curve_reader *r) {
         status = blank ? end_curve(r) : read_point(r);
         load_mesh_text_skip_blanks(&r->text);
         if (status == SATIN_OK && r->text.at < r->text.end && *r->text.at != '\n')
-            status = load_mesh_error(r->source, r->text.line, "expected a point: x y z radius");
+            status =
+                load_mesh_error(r->list.source, r->text.line, "expected a point: x y z radius");
     }
     if (status == SATIN_OK) status = end_curve(r);
-    if (status == SATIN_OK && !r->segments)
-        status = load_mesh_error(r->source, 0, "there is no curve in it");
+    if (status == SATIN_OK && !r->list.segments)
+        status = load_mesh_error(r->list.source, 0, "there is no curve in it");
     return status;
-}
-
-// Sets a bit for each neighbour that a segment has in its curve, as Embree needs.
-static uint8_t *neighbour_flags(struct arena *arena, const struct curve_reader *r) {
-    uint8_t *flags = arena_array(arena, r->segments, 1);
-    for (size_t i = 0; flags && i < r->segments; i++) {
-        bool left = i > 0 && r->first[i - 1] + 1 == r->first[i];
-        bool right = i + 1 < r->segments && r->first[i] + 1 == r->first[i + 1];
-        flags[i] = (uint8_t)(left | right << 1);
-    }
-    return flags;
-}
-
-static satin_status store_curves(const struct curve_reader *r, bool linear, struct curves *out) {
-    struct arena *arena = r->source->arena;
-    struct curves c = {.segments = (uint32_t)r->segments, .linear = linear};
-    float *point = arena_array(arena, r->points * 4, sizeof *point);
-    uint32_t *first = arena_array(arena, r->segments, sizeof *first);
-    c.flags = neighbour_flags(arena, r);
-    if (!point || !first || !c.flags) return load_mesh_no_memory(r->source);
-    memcpy(point, r->point, r->points * 4 * sizeof *point);
-    memcpy(first, r->first, r->segments * sizeof *first);
-    c.points = (uint32_t)r->points;
-    c.point = point;
-    c.first = first;
-    *out = c;
-    return SATIN_OK;
 }
 
 satin_status load_curves(const struct load_source *source, const struct mat4 *to_world, bool linear,
@@ -100,14 +120,13 @@ satin_status load_curves(const struct load_source *source, const struct mat4 *to
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    struct curve_reader r = {.source = source,
+    struct curve_reader r = {.list = {.source = source},
                              .text = {data, data + size, 1},
                              .to_world = to_world,
                              .needed = linear ? 2 : 4};
     status = read_curve_lines(&r);
-    if (status == SATIN_OK) status = store_curves(&r, linear, out);
-    free(r.point);
-    free(r.first);
+    if (status == SATIN_OK) status = load_curve_store(&r.list, linear, out);
+    load_curve_free(&r.list);
     free(data);
     return status;
 }

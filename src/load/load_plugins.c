@@ -18,8 +18,8 @@ struct unread_kind {
     const char *const *name;
 };
 
-static const char *const unread_shapes[] = {
-    "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "hair", "mesh", NULL};
+static const char *const unread_shapes[] = {"sdfgrid", "ellipsoids", "ellipsoidsmesh",
+                                            "blender", "mesh",       NULL};
 static const char *const unread_bsdfs[] = {
     "measured",           "hair", "pplastic", "polarizer", "retarder", "circular",
     "measured_polarized", "hk",   "irawan",   NULL};

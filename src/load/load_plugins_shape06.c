@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// <shape>s of Mitsuba 0.6 that version 3 does not have: heightfield.
+// <shape>s of Mitsuba 0.6 that version 3 does not have: heightfield, hair.
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,6 +40,49 @@ static const struct param_spec heights_height = {
 static const struct param_spec *const heightfield_params[] = {
     &heights_file,   &heights_scale,       &shading_normals,         &heights_width,
     &heights_height, &load_shape_to_world, &load_shape_flip_normals, NULL};
+
+static const struct param_spec hair_file = {
+    "filename",
+    PARAM_STRING,
+    NULL,
+    0,
+    PARAM_REQUIRED,
+    NULL,
+    "The file of strands. Each line `x y z` is a point, and blank lines separate strands; or the "
+    "binary form BINARY_HAIR."};
+static const struct param_spec hair_radius = {
+    "radius",
+    PARAM_FLOAT,
+    ".025",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "The radius of all strands in object space. to_world scales it as it scales the z axis."};
+static const struct param_spec angle_threshold = {
+    "angle_threshold",
+    PARAM_FLOAT,
+    "1",
+    RANGE_NOT_NEGATIVE,
+    0,
+    NULL,
+    "The angle in degrees, at most 90, between segments that follow one another, below which they "
+    "become one."};
+static const struct param_spec hair_reduction = {
+    "reduction",
+    PARAM_FLOAT,
+    "0",
+    RANGE_UNIT,
+    0,
+    NULL,
+    "The fraction of strands that are left out at random, less than 1. The radius of the others "
+    "grows so that they cover as much."};
+static const struct param_spec *const hair_params[] = {&hair_file,
+                                                       &hair_radius,
+                                                       &angle_threshold,
+                                                       &hair_reduction,
+                                                       &load_shape_to_world,
+                                                       &load_shape_flip_normals,
+                                                       NULL};
 
 // ---- Heights ------------------------------------------------------------------------------------
 
@@ -157,10 +200,39 @@ static satin_status build_heightfield(struct load_state *loader, const struct pa
     return status == SATIN_ERROR_MEMORY ? load_no_memory(loader) : status;
 }
 
+// ---- Strands ------------------------------------------------------------------------------------
+
+static satin_status build_hair(struct load_state *loader, const struct params *p, void *object) {
+    struct shape *shape = object;
+    const struct mat4 *m = &load_param(p, "to_world")->m;
+    const float reduction = load_param(p, "reduction")->f;
+    const float scale = v3_len(mat4_vector(m, v3(0, 0, 1)));
+    if (!(reduction < 1.0f)) return load_refuse(loader, p, "its reduction must be less than 1");
+    const struct hair_request request = {
+        .to_world = *m,
+        .radius = load_param(p, "radius")->f * scale / (1.0f - reduction),
+        .angle_threshold = load_param(p, "angle_threshold")->f,
+        .reduction = reduction};
+    if (request.angle_threshold > 90.0f)
+        return load_refuse(loader, p, "its angle_threshold must be at most 90 degrees");
+    if (!(request.radius > 0.0f && request.radius < 1e15f))
+        return load_refuse(loader, p, "to_world makes its radius 0 or too large");
+    struct load_source source;
+    satin_status status = load_file_source(loader, load_param(p, "filename"), &source);
+    if (status != SATIN_OK) return status;
+    shape->kind = SHAPE_CURVES;
+    status = load_hair(&source, &request, &shape->curves);
+    free((char *)source.path);
+    if (status == SATIN_OK) scene_curves_bound(&shape->curves, &shape->lo, &shape->hi);
+    return status;
+}
+
 const struct plugin_spec load_shape06_plugins[] = {
     {XML_SHAPE, "heightfield",
      "a surface over [-1, 1]^2 in the xy plane, whose heights along z an image or a <texture> "
      "gives, as in Mitsuba 0.6",
      heightfield_params, SHAPE_CHILDREN | 1u << XML_TEXTURE | 1u << XML_RFILTER, build_heightfield,
      false},
+    {XML_SHAPE, "hair", "strands of straight round tubes, as in Mitsuba 0.6", hair_params,
+     SHAPE_CHILDREN, build_hair, false},
     {0}};

@@ -34,7 +34,8 @@ SCENARIOS = {
 }
 
 FILES = {"small.png": "bitmap", "small.hdr": "bitmap", "text.ply": "ply", "smooth.obj": "obj",
-         "four.serialized": "serialized", "linear.txt": "linear", "isotropic": "tabulated"}
+         "four.serialized": "serialized", "linear.txt": "linear", "strands.hair": "hair",
+         "isotropic": "tabulated"}
 RENAMED = {"colours.ply": "attribute/bytes.ply", "list.spd": "spd/list"}
 
 

@@ -20,6 +20,7 @@ static const struct kind {
     size_t growth;  // bytes of memory per byte of the file, at most
 } fuzz_load_kinds[] = {
     {"linear", "<shape type='linearcurve'>" NAMED "</shape>", NULL, 100},
+    {"hair", "<shape type='hair'>" NAMED "</shape>", NULL, 100},
     {"spline", "<shape type='bsplinecurve'>" NAMED "</shape>", NULL, 100},
     {"obj", "<shape type='obj'>" NAMED GLOWS, NULL, 400},
     {"ply", "<shape type='ply'>" NAMED GLOWS, NULL, 400},

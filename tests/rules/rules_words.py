@@ -133,7 +133,8 @@ IDENTIFIERS = {
         : "include/satin/options|src/render/",
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
     "Curve": ("curves?", {
-        r"\w+": r"src/(?:load/load_(?:curve|build|plugins_shape)|scene/|apps/app_info_scene)"}),
+        r"\w+": r"src/(?:load/load_(?:curve|hair|build|plugins_shape)|scene/)"
+                r"|src/apps/app_info_scene"}),
     "Group": ("groups?", {r"\w+": r"src/(?:load/|scene/|guide/guide_aim)"}),
     "Job": ("jobs?", {
         "job|find_job": r"src/(?:render/render_(?:animation|metadata|state)"
@@ -196,7 +197,7 @@ IN_TEXT = {
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),
     "Shared": (r"shar(?:es?|ing)", "", ""),
     "Branch": ("branch(?:es)?", "src/gather/gather_bounces|src/shade/shade_eye", ""),
-    "Curve": ("curves?", r"src/load/load_(?:curve|build|plugins_shape)|src/scene/"
+    "Curve": ("curves?", r"src/load/load_(?:curve|hair|build|plugins_shape)|src/scene/"
               r"|src/apps/app_info_scene", "may curve|curves away|(?:splines|meshes) and[^.]*curves"
               "|about curves"),
     "Group": ("groups?", r"src/load/|src/scene/|src/guide/guide_aim",
