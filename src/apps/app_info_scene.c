@@ -21,7 +21,7 @@ static void print_camera(const struct satin_scene *scene) {
     vec3 look = v3_unit(mat4_vector(&c->to_world, v3(0, 0, 1)));
     double degrees = 360.0 / (double)PI_F;
     printf("camera     %s at (%g, %g, %g) towards (%.4g, %.4g, %.4g)\n",
-           c->orthographic      ? "orthographic"
+           c->orthographic      ? c->aperture > 0.0f ? "telecentric" : "orthographic"
            : c->aperture > 0.0f ? "thin lens"
                                 : "pinhole",
            (double)eye.x, (double)eye.y, (double)eye.z, (double)look.x, (double)look.y,
@@ -34,7 +34,9 @@ static void print_camera(const struct satin_scene *scene) {
         printf("           sees %.4g x %.4g degrees", degrees * atan((double)c->tan_x),
                degrees * atan((double)c->tan_y));
     if (c->aperture > 0.0f)
-        printf(", lens radius %g, focus at %g", (double)c->aperture, (double)c->focus_distance);
+        printf(", lens radius %g, focus at %g",
+               (double)v3_len(mat4_vector(&c->to_world, v3(c->aperture, 0, 0))),
+               (double)v3_len(mat4_vector(&c->to_world, v3(0, 0, c->focus_distance))));
     printf("\nfilm       %dx%d, %s filter of radius %g", f->width, f->height, filter[f->filter],
            (double)f->radius);
     if (f->crop_width != f->width || f->crop_height != f->height)

@@ -81,6 +81,13 @@ static const struct param_spec focus_distance = {
     0,
     NULL,
     "The distance of the plane in focus. If it is not given, it is `far_clip`."};
+static const struct param_spec telecentric_radius = {"aperture_radius",
+                                                     PARAM_FLOAT,
+                                                     "0",
+                                                     RANGE_NOT_NEGATIVE,
+                                                     0,
+                                                     NULL,
+                                                     "The radius of the lens, in scene units."};
 static const struct param_spec idle_focus_distance = {"focus_distance",
                                                       PARAM_FLOAT,
                                                       NULL,
@@ -105,6 +112,10 @@ static param_list thinlens_params = {
 static param_list orthographic_params = {
     &sensor_to_world, &near_clip,           &far_clip, &shutter_open,
     &shutter_close,   &idle_focus_distance, NULL};
+
+static param_list telecentric_params = {
+    &sensor_to_world, &near_clip,          &far_clip,       &shutter_open,
+    &shutter_close,   &telecentric_radius, &focus_distance, NULL};
 
 // Half the diagonal of 35 mm film, 36 x 24 mm.
 #define HALF_DIAGONAL_35MM 21.633307652783937
@@ -219,6 +230,29 @@ static satin_status build_orthographic(struct load_state *loader, const struct p
     return set_clip(loader, p, camera);
 }
 
+// Lengths are in world space in the file, where to_world may scale, and in camera space here.
+static satin_status build_telecentric(struct load_state *loader, const struct params *p,
+                                      void *object) {
+    struct camera *camera = object;
+    satin_status status = build_orthographic(loader, p, object);
+    if (status != SATIN_OK) return status;
+    const float across = v3_len(mat4_vector(&camera->to_world, v3(1, 0, 0)));
+    const float depth = v3_len(mat4_vector(&camera->to_world, v3(0, 0, 1)));
+    const float focus = load_param(p, "focus_distance")->given ? load_param(p, "focus_distance")->f
+                                                               : camera->far_clip;
+    const float length = camera->far_clip - camera->near_clip;
+    camera->aperture = load_param(p, "aperture_radius")->f / across;
+    camera->focus_distance = focus / depth;
+    camera->near_clip /= depth;
+    // Without a lens, rays begin at the near plane, and their length is in world space.
+    camera->far_clip =
+        camera->aperture > 0.0f ? camera->far_clip / depth : camera->near_clip + length;
+    if (camera->aperture < 1e15f && camera->focus_distance > 1e-15f &&
+        camera->focus_distance < 1e15f && camera->near_clip < camera->far_clip)
+        return SATIN_OK;
+    return load_refuse(loader, p, "to_world makes its lens or clip planes too small or too large");
+}
+
 static satin_status build_perspective(struct load_state *loader, const struct params *p,
                                       void *object) {
     struct camera *camera = object;
@@ -248,6 +282,10 @@ const struct plugin_spec load_sensor_plugins[] = {
      build_thinlens, false},
     {XML_SENSOR, "orthographic", "parallel rays; the film is 2 wide before to_world scales it",
      orthographic_params, SENSOR_CHILDREN, build_orthographic, false},
+    {XML_SENSOR, "telecentric",
+     "parallel rays with depth of field, as in Mitsuba 0.6; the film is 2 wide before to_world "
+     "scales it",
+     telecentric_params, SENSOR_CHILDREN, build_telecentric, false},
     {0}};
 
 // Reads the only child of a tag, if there is one, to `object`.

@@ -280,10 +280,10 @@ bool scene_attribute_used(const struct texture *texture);
 
 struct camera {
     struct mat4 to_world;
-    bool orthographic;   // all rays are parallel
+    bool orthographic;   // rays are parallel; with a lens, those of a point of the lens are
     float tan_x, tan_y;  // half extents of the full film at unit distance; orthographic: at any
     float near_clip, far_clip;
-    float aperture;  // lens radius; 0: pinhole
+    float aperture;  // lens radius, in camera space as clips and focus; 0: pinhole, or none
     float focus_distance;
     vec2 shift;  // principal point offset, in film widths and heights
 };

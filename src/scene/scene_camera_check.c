@@ -26,7 +26,7 @@ static struct camera_look trace_eye_rays(const struct satin_scene *scene,
         out.seen = scene_occluded(scene, &ray);
         // Depth per distance along the ray, and depth of the ray's origin.
         float rate = camera->near_clip / ray.tnear, start = 0.0f;
-        if (camera->orthographic) {
+        if (camera->orthographic && !(camera->aperture > 0.0f)) {
             start = camera->near_clip;
             rate = (camera->far_clip - camera->near_clip) / ray.tfar;
         }

@@ -107,6 +107,73 @@ static void rays_of_an_orthographic_camera_are_parallel(void **state) {
     satin_scene_free(scene);
 }
 
+// At the plane in focus all rays of a film position meet where its parallel ray is; at another
+// depth z they fill a disk of the radius a |z - f| / f. Lengths are in world space.
+static void a_telecentric_lens_focuses(void **state) {
+    (void)state;
+    struct satin_scene *scene = scene_camera_load(
+        "<sensor type='telecentric'><transform name='to_world'><scale x='3' y='3' z='5'/>"
+        "<translate z='-4'/></transform><float name='near_clip' value='.5'/>"
+        "<float name='far_clip' value='20'/><float name='aperture_radius' value='.6'/>"
+        "<float name='focus_distance' value='2'/>" FILM "</sensor>");
+    struct rng rng = rng_make(1, RNG_TEST, 0);
+    float widest = 0.0f, spread;
+    for (int i = 0; i < 1000; i++) {
+        const vec2 film = {400 * rng_float(&rng), 200 * rng_float(&rng)};
+        const struct ray r = scene_camera_ray(scene, &scene->camera, film,
+                                              (vec2){rng_float(&rng), rng_float(&rng)}, &spread);
+        const float x = 3.0f - 6.0f * film.x / 400.0f, y = 1.5f - 3.0f * film.y / 200.0f;
+        const vec3 focus = v3_mad(r.o, 2.0f / r.d.z, r.d), far = v3_mad(r.o, 6.0f / r.d.z, r.d);
+        assert_true(r.o.z == -4.0f && v3_dist2(focus, v3(x, y, -2)) < 1e-11f);
+        widest = fmaxf(widest, sqrtf(v3_dist2(far, v3(x, y, 2))));
+        assert_true(fabsf(r.tnear * r.d.z - 0.5f) < 1e-5f);
+        assert_true(fabsf(r.tfar * r.d.z - 20.0f) < 1e-4f);
+    }
+    // The largest of 1000 radii of a uniform disk is below .99 with a probability of 2e-9.
+    assert_true(widest > 0.99f * 1.2f && widest < 1.2f + 1e-5f);
+    satin_scene_free(scene);
+}
+
+// Without a lens the rays are those of an orthographic camera, between planes of world space.
+static void a_telecentric_camera_without_lens_is_orthographic(void **state) {
+    (void)state;
+    struct satin_scene *scene = scene_camera_load(
+        "<sensor type='telecentric'><transform name='to_world'><scale x='3' y='2' z='5'/>"
+        "<translate z='-4'/></transform><float name='near_clip' value='.5'/>"
+        "<float name='far_clip' value='20'/>" FILM "</sensor>");
+    float spread;
+    const struct ray r =
+        scene_camera_ray(scene, &scene->camera, (vec2){100, 100}, (vec2){0, 0}, &spread);
+    assert_true(v3_dist2(r.o, v3(1.5f, 0, -3.5f)) < 1e-12f && v3_dist2(r.d, v3(0, 0, 1)) == 0.0f);
+    assert_true(r.tnear == 0.0f && fabsf(r.tfar - 19.5f) < 1e-5f);
+    satin_scene_free(scene);
+}
+
+static void wrong_lenses_are_refused(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"<float name='aperture_radius' value='-1'/>",
+         "scene.xml:2:28: aperture_radius is -1, but must be 0 or more"},
+        {"<float name='focus_distance' value='0'/>",
+         "scene.xml:2:28: focus_distance is 0, but must be positive"},
+        {"<float name='near_clip' value='3'/><float name='far_clip' value='2'/>",
+         "scene.xml:2:1: sensor 'telecentric': near_clip must be smaller than far_clip"},
+        {"<transform name='to_world'><scale x='0'/></transform>",
+         "scene.xml:2:1: sensor 'telecentric': to_world is singular"},
+        {"<transform name='to_world'><scale value='1e-14'/></transform>",
+         "scene.xml:2:1: sensor 'telecentric': to_world makes its lens or clip planes too small or "
+         "too large"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene_case c;
+        char text[512];
+        snprintf(text, sizeof text,
+                 "<scene version='3.0.0'>\n<sensor type='telecentric'>%s</sensor></scene>",
+                 cases[i][0]);
+        assert_null(scene_case_load(&c, text));
+        assert_string_equal(c.error, cases[i][1]);
+    }
+}
+
 static void samples_are_distributed_evenly_to_all_cameras(void **state) {
     (void)state;
     enum { VIEWS = 7, SAMPLES = 700 };
@@ -130,6 +197,9 @@ int main(void) {
         cmocka_unit_test(rays_of_a_pinhole_start_at_the_eye),
         cmocka_unit_test(a_lens_focuses),
         cmocka_unit_test(rays_of_an_orthographic_camera_are_parallel),
+        cmocka_unit_test(a_telecentric_lens_focuses),
+        cmocka_unit_test(wrong_lenses_are_refused),
+        cmocka_unit_test(a_telecentric_camera_without_lens_is_orthographic),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

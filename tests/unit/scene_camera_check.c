@@ -33,6 +33,11 @@ static const struct {
     {"<sensor type='orthographic'>" FAR("19") EYE EYE_END LAMP BALL,
      "far_clip 19 lies before the scene, which begins at 19.5*: no shape is seen"},
     {ORTHOGRAPHIC EYE_END LAMP BALL, NULL},
+    {"<sensor type='telecentric'><float name='aperture_radius' value='.1'/>" FAR("19")
+         EYE EYE_END LAMP BALL,
+     "far_clip 19 lies before the scene, which begins at 19.5*: no shape is seen"},
+    {"<sensor type='telecentric'><float name='aperture_radius' value='.1'/>" EYE EYE_END LAMP BALL,
+     NULL},
     {"<sensor type='perspective'>" FAR("40") NEAR("30") EYE EYE_END LAMP BALL
      "<shape type='disk'><transform name='to_world'><translate x='4' z='-25'/></transform></shape>",
      "no shape is seen between near_clip 30 and far_clip 40: the first begins at 19.5*"},
