@@ -22,6 +22,7 @@ static void print_camera(const struct satin_scene *scene) {
     double degrees = 360.0 / (double)PI_F;
     printf("camera     %s at (%g, %g, %g) towards (%.4g, %.4g, %.4g)\n",
            c->orthographic      ? c->aperture > 0.0f ? "telecentric" : "orthographic"
+           : c->spherical       ? "spherical"
            : c->aperture > 0.0f ? "thin lens"
                                 : "pinhole",
            (double)eye.x, (double)eye.y, (double)eye.z, (double)look.x, (double)look.y,
@@ -30,6 +31,8 @@ static void print_camera(const struct satin_scene *scene) {
     vec3 up = mat4_vector(&c->to_world, v3(0, 2.0f * c->tan_y, 0));
     if (c->orthographic)
         printf("           sees %.4g x %.4g units", (double)v3_len(right), (double)v3_len(up));
+    else if (c->spherical)
+        printf("           sees all directions");
     else
         printf("           sees %.4g x %.4g degrees", degrees * atan((double)c->tan_x),
                degrees * atan((double)c->tan_y));

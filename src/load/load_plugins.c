@@ -26,8 +26,8 @@ static const char *const unread_bsdfs[] = {
 static const char *const unread_textures[] = {"volume", "volumeadapter", "wireframe", "curvature",
                                               NULL};
 static const char *const unread_emitters[] = {"timed_sunsky", "volumelight", "collimated", NULL};
-static const char *const unread_sensors[] = {
-    "distant", "radiancemeter", "batch", "hemispherical", "irradiancemeter", "spherical", NULL};
+static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
+                                             "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
 static const char *const unread_integrators[] = {"depth", "volprim_rf_basic", "field", NULL};
 

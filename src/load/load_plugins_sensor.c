@@ -117,6 +117,8 @@ static param_list telecentric_params = {
     &sensor_to_world, &near_clip,          &far_clip,       &shutter_open,
     &shutter_close,   &telecentric_radius, &focus_distance, NULL};
 
+static param_list spherical_params = {&sensor_to_world, &shutter_open, &shutter_close, NULL};
+
 // Half the diagonal of 35 mm film, 36 x 24 mm.
 #define HALF_DIAGONAL_35MM 21.633307652783937
 
@@ -253,6 +255,16 @@ static satin_status build_telecentric(struct load_state *loader, const struct pa
     return load_refuse(loader, p, "to_world makes its lens or clip planes too small or too large");
 }
 
+static satin_status build_spherical(struct load_state *loader, const struct params *p,
+                                    void *object) {
+    struct camera *camera = object;
+    camera->spherical = true;
+    camera->tan_x = 2.0f;
+    camera->tan_y = 1.0f;
+    camera->far_clip = INFINITY;
+    return set_sensor_transform(loader, p, camera);
+}
+
 static satin_status build_perspective(struct load_state *loader, const struct params *p,
                                       void *object) {
     struct camera *camera = object;
@@ -286,6 +298,10 @@ const struct plugin_spec load_sensor_plugins[] = {
      "parallel rays with depth of field, as in Mitsuba 0.6; the film is 2 wide before to_world "
      "scales it",
      telecentric_params, SENSOR_CHILDREN, build_telecentric, false},
+    {XML_SENSOR, "spherical",
+     "all directions by longitude and latitude, as in Mitsuba 0.6: an image for `envmap`, if it is "
+     "twice as wide as high",
+     spherical_params, SENSOR_CHILDREN, build_spherical, false},
     {0}};
 
 // Reads the only child of a tag, if there is one, to `object`.

@@ -16,7 +16,7 @@
 static satin_status make_camera(const struct render *r, const satin_view *view, int number,
                                 struct camera *out) {
     *out = r->scene.camera;
-    if (out->orthographic)
+    if (out->orthographic || out->spherical)
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "views of an animation need a perspective sensor");
     if (!mat4_look_at(v3_of_doubles(view->origin), v3_of_doubles(view->target),
@@ -37,8 +37,9 @@ static satin_status make_camera(const struct render *r, const satin_view *view, 
 // Sets the cameras of `count` frames.
 static satin_status set_views(struct render *r, const satin_animation *a, int count) {
     const struct camera *own = &r->scene.camera;
-    // By which the height was changed with the size of the film.
-    const float height = own->tan_y;
+    // With the size of the film, that of the options too, the ratio of height and width changed.
+    const float film = (float)r->scene.film.height / (float)r->scene.film.width;
+    const float aspect = own->spherical ? film : own->tan_y / own->tan_x;
     satin_status status = SATIN_OK;
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         struct camera *view = &r->frames.view[i];
@@ -47,7 +48,7 @@ static satin_status set_views(struct render *r, const satin_animation *a, int co
             continue;
         }
         *view = r->scene.sensor[i];
-        view->tan_y = height / own->tan_x * view->tan_x;
+        if (!view->spherical) view->tan_y = aspect * view->tan_x;
     }
     return status;
 }
@@ -104,9 +105,10 @@ uint64_t render_views_hash(const struct render *r) {
     uint64_t hash = FILEIO_HASH;
     for (uint32_t i = 0; i < r->scene.view_count; i++) {
         const struct camera *c = &r->frames.view[i];
-        const float values[] = {c->tan_x,    c->tan_y,    c->near_clip,
-                                c->far_clip, c->aperture, c->focus_distance,
-                                c->shift.x,  c->shift.y,  c->orthographic ? 1.0f : 0.0f};
+        const float values[] = {
+            c->tan_x,    c->tan_y,    c->near_clip,
+            c->far_clip, c->aperture, c->focus_distance,
+            c->shift.x,  c->shift.y,  c->orthographic ? 1.0f : c->spherical ? 2.0f : 0.0f};
         hash = fileio_hash(hash, values, sizeof values);
         hash = fileio_hash(hash, &c->to_world, sizeof c->to_world);
     }

@@ -28,7 +28,8 @@ static void set_camera(const struct satin_scene *scene, struct film_camera *out)
     const struct camera *camera = &scene->camera;
     const float near = camera->near_clip, far = camera->far_clip, depth = far / (far - near);
     struct mat4 to_camera, to_film = {{{0}}};
-    if (!mat4_inverse(&camera->to_world, &to_camera)) return;
+    // No matrix maps directions to longitude and latitude.
+    if (camera->spherical || !mat4_inverse(&camera->to_world, &to_camera)) return;
     // As scene_camera_ray maps film positions to the plane z = 1, or for parallel rays to any.
     const int at = camera->orthographic ? 3 : 2;  // the column of what the offset multiplies
     to_film.m[0][0] = -0.5f / camera->tan_x;

@@ -36,7 +36,7 @@ static satin_status set_size(struct satin_scene *scene, int width, int height, s
     const double sx = w / (double)film->width, sy = h / (double)film->height;
     film->width = (int)w;
     film->height = (int)h;
-    scene->camera.tan_y *= (float)(sy / sx);
+    if (!scene->camera.spherical) scene->camera.tan_y *= (float)(sy / sx);
     return SATIN_OK;
 }
 

@@ -281,11 +281,11 @@ bool scene_attribute_used(const struct texture *texture);
 struct camera {
     struct mat4 to_world;
     bool orthographic;   // rays are parallel; with a lens, those of a point of the lens are
+    bool spherical;      // the film is all directions, by longitude and latitude
     float tan_x, tan_y;  // half extents of the full film at unit distance; orthographic: at any
     float near_clip, far_clip;
-    float aperture;  // lens radius, in camera space as clips and focus; 0: pinhole, or none
-    float focus_distance;
-    vec2 shift;  // principal point offset, in film widths and heights
+    float aperture, focus_distance;  // of the lens, in camera space as clips; 0: pinhole, or none
+    vec2 shift;                      // principal point offset, in film widths and heights
 };
 
 struct light;  // defined in folder light, as light_tree

@@ -38,12 +38,27 @@ static struct ray telecentric_ray(const struct satin_scene *scene, const struct 
     return (struct ray){o, camera->near_clip * length, d, camera->far_clip * length};
 }
 
+// Rays to all directions by longitude and latitude: +z in the middle of the film and +y above, as
+// in Mitsuba 0.6. The width is that of the longer side of a pixel, which near the poles is its
+// height, so that no row of the film asks for finer records or texels than another.
+static struct ray spherical_ray(const struct satin_scene *scene, const struct camera *camera,
+                                float s, float t, float *spread) {
+    const float phi = 2.0f * PI_F * s, theta = PI_F * t, sine = fmaxf(sinf(theta), 0.0f);
+    const vec3 d = v3(sinf(phi) * sine, cosf(theta), -cosf(phi) * sine);
+    if (spread)
+        *spread =
+            fmaxf(2.0f * PI_F * sine / (float)scene->film.width, PI_F / (float)scene->film.height);
+    return (struct ray){mat4_point(&camera->to_world, v3(0, 0, 0)), camera->near_clip,
+                        v3_unit(mat4_vector(&camera->to_world, d)), camera->far_clip};
+}
+
 struct ray scene_camera_ray(const struct satin_scene *scene, const struct camera *camera, vec2 film,
                             vec2 lens, float *spread) {
     const int columns = scene->film.width, rows = scene->film.height;
-    // The film position on the plane z = 1, where x points left and y up.
     float s = film.x / (float)columns + camera->shift.x;
     float t = film.y / (float)rows + camera->shift.y;
+    if (camera->spherical) return spherical_ray(scene, camera, s, t, spread);
+    // The film position on the plane z = 1, where x points left and y up.
     vec3 plane = v3(camera->tan_x * (1.0f - 2.0f * s), camera->tan_y * (1.0f - 2.0f * t), 1.0f);
     if (camera->orthographic && camera->aperture > 0.0f)
         return telecentric_ray(scene, camera, plane, lens, spread);

@@ -25,7 +25,7 @@ static struct camera_look trace_eye_rays(const struct satin_scene *scene,
         struct ray ray = scene_camera_ray(scene, camera, pixel, (vec2){0.5f, 0.5f}, NULL);
         out.seen = scene_occluded(scene, &ray);
         // Depth per distance along the ray, and depth of the ray's origin.
-        float rate = camera->near_clip / ray.tnear, start = 0.0f;
+        float rate = camera->spherical ? 1.0f : camera->near_clip / ray.tnear, start = 0.0f;
         if (camera->orthographic && !(camera->aperture > 0.0f)) {
             start = camera->near_clip;
             rate = (camera->far_clip - camera->near_clip) / ray.tfar;
@@ -43,6 +43,7 @@ static struct camera_look trace_eye_rays(const struct satin_scene *scene,
 
 // Whether all corners of the scene's bounds are behind the camera.
 static bool scene_is_behind(const struct satin_scene *scene, const struct camera *camera) {
+    if (camera->spherical) return false;
     const vec3 eye = mat4_point(&camera->to_world, v3(0, 0, 0)),
                d = mat4_vector(&camera->to_world, v3(0, 0, 1)), lo = scene->bounds_lo,
                hi = scene->bounds_hi;

@@ -174,6 +174,37 @@ static void wrong_lenses_are_refused(void **state) {
     }
 }
 
+// The middle of the film is +z of camera space, a quarter to the left +x, the upper side +y.
+static void a_spherical_camera_sees_all_directions(void **state) {
+    (void)state;
+    static const struct {
+        vec2 film;
+        vec3 d;
+    } known[] = {{{200, 100}, {0, 0, 1}},  {{100, 100}, {1, 0, 0}},
+                 {{300, 100}, {-1, 0, 0}}, {{0, 100}, {0, 0, -1}},
+                 {{400, 100}, {0, 0, -1}}, {{77, 0}, {0, 1, 0}},
+                 {{77, 200}, {0, -1, 0}},  {{200, 50}, {0, .70710678f, .70710678f}}};
+    struct satin_scene *scene = scene_camera_load(
+        "<sensor type='spherical'><transform name='to_world'><rotate y='1' angle='90'/>"
+        "<translate x='7'/></transform>" FILM "</sensor>");
+    float spread;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        const vec3 d = known[i].d;
+        const struct ray r =
+            scene_camera_ray(scene, &scene->camera, known[i].film, (vec2){0, 0}, &spread);
+        assert_true(v3_dist2(r.o, v3(7, 0, 0)) == 0.0f && r.tnear == 0.0f && isinf(r.tfar));
+        assert_true(v3_dist2(r.d, v3(d.z, d.y, -d.x)) < 1e-12f);
+        assert_float_equal(spread, PI_F / 200.0f, 1e-7f);  // pixels are squares at the equator
+    }
+    satin_scene_free(scene);
+    scene = scene_camera_load("<sensor type='spherical'>" FILM "</sensor>");
+    // A film twice as high has pixels that are twice as wide as high at the equator.
+    scene->film.height *= 2;
+    scene_camera_ray(scene, &scene->camera, (vec2){0, 200}, (vec2){0, 0}, &spread);
+    assert_float_equal(spread, 2.0f * PI_F / 400.0f, 1e-7f);
+    satin_scene_free(scene);
+}
+
 static void samples_are_distributed_evenly_to_all_cameras(void **state) {
     (void)state;
     enum { VIEWS = 7, SAMPLES = 700 };
@@ -199,6 +230,7 @@ int main(void) {
         cmocka_unit_test(rays_of_an_orthographic_camera_are_parallel),
         cmocka_unit_test(a_telecentric_lens_focuses),
         cmocka_unit_test(wrong_lenses_are_refused),
+        cmocka_unit_test(a_spherical_camera_sees_all_directions),
         cmocka_unit_test(a_telecentric_camera_without_lens_is_orthographic),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

@@ -47,6 +47,9 @@ static const struct {
      NULL},
     {PERSPECTIVE EYE_END LAMP "<shape type='sphere'><point name='center' value='90 0 0'/></shape>",
      "none of 1024 camera rays hits a shape"},
+    {"<sensor type='spherical'>" EYE EYE_END LAMP
+     "<shape type='sphere'><point name='center' value='0 0 30'/></shape>",
+     NULL},
     // The crop window alone counts.
     {PERSPECTIVE
      "<integer name='crop_width' value='8'/><integer name='crop_height' value='8'/>" EYE_END LAMP
