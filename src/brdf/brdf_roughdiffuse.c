@@ -9,8 +9,8 @@
 // where C1, t and C4 depend on sigma alone and S on the directions alone (directional_term).
 //
 // Deviation: where the fit of the full model is negative (down to -.005 sr^-1, for alpha over 3),
-// it is 0. White surfaces of alpha below .15 reflect up to 1.0003 of uniform light, 1.03 of it
-// towards grazing directions, as the published fit does.
+// it is 0. White surfaces of alpha below .15 reflect up to 1.0003 of uniform light, and towards
+// grazing directions up to 1.03 of it, with alpha .5 up to 1.05, as the published fit does.
 #include "base/sampling.h"
 #include "brdf/brdf_models.h"
 #include "brdf/brdf_quadrature.h"
