@@ -28,6 +28,7 @@ struct hair_reader {
     size_t strands;     // number of strands that have begun
     bool begins;        // whether the next point is the first one of a strand
     bool left_out;      // whether the strand is left out
+    size_t longer;      // number of lines with more than three numbers
     double tangent[3];  // the direction of the last segment, if there is one
 };
 
@@ -97,8 +98,7 @@ static satin_status read_strand_line(struct hair_reader *r, struct mesh_text *te
         v[i] = (float)value;
     }
     load_mesh_text_skip_blanks(text);
-    if (text->at < text->end && *text->at != '\n')
-        return load_mesh_error(r->list.source, text->line, "expected a point: x y z");
+    if (text->at < text->end && *text->at != '\n') r->longer++;
     if (!add_vertex(r, v, &status))
         return load_mesh_error(r->list.source, text->line, "the point is out of range");
     return status;
@@ -182,6 +182,10 @@ satin_status load_hair(const struct load_source *source, const struct hair_reque
     free(data);
     if (status == SATIN_OK) status = end_strand(&r);
     if (status == SATIN_OK) status = check_strands(&r);
+    if (status == SATIN_OK && r.longer)
+        log_message(source->log, SATIN_LOG_WARNING,
+                    "%s: of %zu lines only the first three numbers are read", source->path,
+                    r.longer);
     if (status == SATIN_OK) status = load_curve_store(&r.list, true, out);
     load_curve_free(&r.list);
     return status;

@@ -143,10 +143,10 @@ static const struct param_spec normal_map = {
     PARAM_COLOR,
     NULL,
     0,
-    PARAM_REQUIRED | PARAM_TEXTURE,
+    PARAM_TEXTURE,
     NULL,
     "The components x, y, z of the normal in the surface's frame; values from 0 to 1 stand for -1 "
-    "to 1."};
+    "to 1. A texture of another name, or of none, is taken for it."};
 static const struct param_spec flip_invalid = {
     "flip_invalid_normals",
     PARAM_BOOLEAN,
@@ -478,8 +478,8 @@ const struct plugin_spec load_bsdf_plugins[] = {
     {XML_BSDF, "mask", "a BRDF with holes", mask_params, 1u << XML_BSDF, NULL, false},
     {XML_BSDF, "bumpmap", "a BRDF whose normal follows a height map, the <texture> inside",
      bump_params, 1u << XML_BSDF | 1u << XML_TEXTURE, NULL, false},
-    {XML_BSDF, "normalmap", "a BRDF whose normal is read from a map", normal_params, 1u << XML_BSDF,
-     NULL, false},
+    {XML_BSDF, "normalmap", "a BRDF whose normal is read from a map, the <texture> inside",
+     normal_params, 1u << XML_BSDF | 1u << XML_TEXTURE, NULL, false},
     {0}};
 
 satin_status load_side_build(struct load_state *loader, const struct params *p,

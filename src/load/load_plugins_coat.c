@@ -79,7 +79,8 @@ satin_status load_bsdf_coat_side(struct load_state *loader, const struct params 
                                  struct material_side *leaf, const void *ctx) {
     const struct bsdf_coat *coat = ctx;
     if (leaf->base.coat) return load_refuse(loader, p, "a coat cannot wrap another one");
-    if (leaf->holes) return load_refuse(loader, p, "it cannot wrap a mask; wrap it by one");
+    if (leaf->holes)
+        return load_refuse(loader, p, "it cannot wrap a mask or null; a mask may be around it");
     if (brdf_transmits(&leaf->base)) {
         log_error_at(loader->log, p->node->place, "'%s' transmits, so it cannot have a coat",
                      leaf->base.model->name);

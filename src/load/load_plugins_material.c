@@ -320,11 +320,13 @@ static satin_status build_bump_or_normal(struct load_state *loader, const struct
     struct material_bump bump = {.outside = true,
                                  .upright = load_param(p, "flip_invalid_normals")->b,
                                  .shadows = load_param(p, "use_shadowing_function")->b};
-    struct xml_node *at = NULL,
-                    *map = heights ? load_params_child(&loader->xml, p->node, XML_TEXTURE, &at)
-                                   : load_param(p, "normalmap")->texture;
+    struct xml_node *at = NULL, *map = load_params_child(&loader->xml, p->node, XML_TEXTURE, &at);
+    const bool constant =
+        !heights && load_param(p, "normalmap")->given && !load_param(p, "normalmap")->texture;
     if (!map && heights) return material_error(loader, p, "needs a <texture>");
-    if (heights && load_params_child(&loader->xml, p->node, XML_TEXTURE, &at))
+    if (!map && !constant)
+        return material_error(loader, p, "needs a <texture> or the parameter 'normalmap'");
+    if (map && (constant || load_params_child(&loader->xml, p->node, XML_TEXTURE, &at)))
         return material_error(loader, p, "takes one <texture>");
     if (heights) bump.scale = load_param(p, "scale")->f;
     satin_status status =

@@ -249,10 +249,10 @@ static satin_status build_telecentric(struct load_state *loader, const struct pa
     // Without a lens, rays begin at the near plane, and their length is in world space.
     camera->far_clip =
         camera->aperture > 0.0f ? camera->far_clip / depth : camera->near_clip + length;
-    if (camera->aperture < 1e15f && camera->focus_distance > 1e-15f &&
-        camera->focus_distance < 1e15f && camera->near_clip < camera->far_clip)
-        return SATIN_OK;
-    return load_refuse(loader, p, "to_world makes its lens or clip planes too small or too large");
+    if (!(camera->aperture < 1e15f && camera->focus_distance > 1e-15f))
+        return load_refuse(loader, p, "its lens is too large, or its focus too near");
+    if (camera->near_clip < camera->far_clip && isfinite(camera->far_clip)) return SATIN_OK;
+    return load_refuse(loader, p, "to_world makes its clip planes too near or too far");
 }
 
 static satin_status build_spherical(struct load_state *loader, const struct params *p,

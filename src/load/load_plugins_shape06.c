@@ -29,13 +29,13 @@ static const struct param_spec shading_normals = {
 static const struct param_spec heights_width = {
     "width",
     PARAM_INTEGER,
-    NULL,
+    "32",
     RANGE_POSITIVE,
     0,
     NULL,
     "The number of heights along x, if a <texture> gives them that is no image."};
 static const struct param_spec heights_height = {
-    "height", PARAM_INTEGER, NULL, RANGE_POSITIVE, 0, NULL, "As `width`, along y."};
+    "height", PARAM_INTEGER, "32", RANGE_POSITIVE, 0, NULL, "As `width`, along y."};
 
 static const struct param_spec *const heightfield_params[] = {
     &heights_file,   &heights_scale,       &shading_normals,         &heights_width,
@@ -107,8 +107,6 @@ static satin_status heights_of_samples(struct load_state *loader, const struct p
                                        struct xml_node *node, struct heights *out) {
     const struct param_value *width = load_param(p, "width"), *height = load_param(p, "height");
     const struct texture *texture;
-    if (!width->given || !height->given)
-        return load_refuse(loader, p, "its texture is no image, so it needs a width and a height");
     if ((int64_t)width->i * height->i > HEIGHTS_MAX)
         return load_refuse(loader, p, "it has more than 2^26 heights");
     satin_status status = load_texture_of(loader, node, &texture);

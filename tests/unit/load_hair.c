@@ -162,13 +162,24 @@ static void reductions_leave_out_strands(void **state) {
     free(text);
 }
 
+// As in Mitsuba 0.6, what follows the third number of a line is not read.
+static void lines_may_be_longer(void **state) {
+    (void)state;
+    static const char text[] = "0 0 0 7\n1 0 0 .5 red\n";
+    struct hair_case c;
+    assert_int_equal(load_hair_read(&c, plain_hair(), text, sizeof text - 1), SATIN_OK);
+    assert_int_equal(c.curves.segments, 1);
+    assert_true(c.curves.point[4] == 1.0f && c.curves.point[5] == 0.0f);
+    assert_non_null(strstr(c.log.warning, "a.hair: of 2 lines only the first three numbers are"));
+    arena_free(&c.arena);
+}
+
 static void an_error_names_its_line_or_byte(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
         {"", "a.hair: there is no strand of two points in it"},
         {"1 1 1\n\n2 2 2\n", "a.hair: there is no strand of two points in it"},
         {"0 0 0\n1 0\n", "a.hair:2: expected a point: x y z"},
-        {"0 0 0\n1 0 0 .5\n", "a.hair:2: expected a point: x y z"},
         {"0 0 0\n1 0 0\n\nhair\n", "a.hair:4: expected a point: x y z"},
         {"0 0 0\n\n\n1 nan 0\n", "a.hair:4: expected a point: x y z"},
         {"0 0 0\n1 1e30 0\n", "a.hair:2: the point is out of range"},
@@ -262,6 +273,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(both_forms_are_read),
                                        cmocka_unit_test(segments_that_go_straight_on_are_one),
                                        cmocka_unit_test(reductions_leave_out_strands),
+                                       cmocka_unit_test(lines_may_be_longer),
                                        cmocka_unit_test(an_error_names_its_line_or_byte),
                                        cmocka_unit_test(the_parameters_are_those_of_version_06),
                                        cmocka_unit_test(wrong_parameters_are_refused)};

@@ -105,7 +105,8 @@ static void wrong_coats_are_refused(void **state) {
         {COAT("<bsdf type='difftrans'/>"),
          "scene.xml:3:1: 'principledthin' transmits, so it cannot have a coat"},
         {ROUGH("<bsdf type='mask'>" GREY "</bsdf>"),
-         "scene.xml:3:1: BRDF 'roughcoating': it cannot wrap a mask; wrap it by one"},
+         "scene.xml:3:1: BRDF 'roughcoating': it cannot wrap a mask or null; a mask may be "
+         "around it"},
         {COAT(ROUGH(GREY)), "scene.xml:3:1: BRDF 'coating': a coat cannot wrap another one"},
         {COAT("<float name='intIOR' value='1000'/>" GREY),
          "scene.xml:3:1: int_ior / ext_ior is 999.72"},

@@ -100,7 +100,29 @@ static void a_colour_is_one_normal(void **state) {
     assert_true(normal->kind == TEXTURE_CONSTANT && normal->value.r == .7f);
     satin_scene_free(scene);
     assert_null(load_bsdf(&c, "<bsdf type='normalmap'><bsdf type='diffuse'/></bsdf>"));
-    assert_non_null(strstr(c.error, "needs the parameter 'normalmap'"));
+    assert_non_null(strstr(c.error, "needs a <texture> or the parameter 'normalmap'"));
+}
+
+// The map of version 0.6 has no name.
+static void any_texture_inside_is_the_normal_map(void **state) {
+    (void)state;
+    static const char *const names[] = {"", "name='normalmap'", "name='map'"};
+    struct scene_case c;
+    char text[256];
+    for (int i = 0; i < 3; i++) {
+        snprintf(text, sizeof text,
+                 "<bsdf type='normalmap'><texture %s type='checkerboard'/>"
+                 "<bsdf type='diffuse'/></bsdf>",
+                 names[i]);
+        satin_scene *scene = load_bsdf(&c, text);
+        assert_non_null(scene);
+        assert_true(scene->material[0].front.bump[0].normal->kind == TEXTURE_CHECKERBOARD);
+        satin_scene_free(scene);
+    }
+    assert_null(load_bsdf(&c,
+                          "<bsdf type='normalmap'><texture type='checkerboard'/>"
+                          "<rgb name='normalmap' value='.7 .5 .9'/><bsdf type='diffuse'/></bsdf>"));
+    assert_non_null(strstr(c.error, "normalmap takes one <texture>"));
 }
 
 int main(void) {
@@ -109,6 +131,7 @@ int main(void) {
         cmocka_unit_test(a_mixture_with_a_two_sided_part_has_two_sides),
         cmocka_unit_test(wrong_mixtures_are_refused),
         cmocka_unit_test(diffuse_transmission_is_that_of_a_thin_sheet),
+        cmocka_unit_test(any_texture_inside_is_the_normal_map),
         cmocka_unit_test(a_colour_is_one_normal),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

@@ -69,6 +69,11 @@ static void other_textures_are_sampled(void **state) {
     static const float checks[10] = {.4f, .4f, .4f, .2f, .4f, .4f, .4f, .4f, .2f, .4f};
     check_heights(FIELD("<texture type='checkerboard'/>" SIZE(5, 2)), checks, 10);
     static const float constant[4] = {6, 6, 6, 6};
+    float many[64];
+    for (int i = 0; i < 64; i++) many[i] = 3.0f;
+    check_heights(FIELD("<texture type='rawconstant'><float name='value' value='3'/></texture>"
+                        "<integer name='height' value='1'/>"),
+                  many, 64);  // of one row, two are made
     check_heights(FIELD("<texture type='scale'><float name='scale' value='2'/>"
                         "<texture type='rawconstant'><float name='value' value='3'/></texture>"
                         "</texture>" SIZE(1, 1)),
@@ -132,9 +137,6 @@ static void wrong_fields_are_refused(void **state) {
          "scene.xml:3:1: shape 'heightfield': it takes either a filename or a <texture>"},
         {FIELD("<texture type='checkerboard'/><texture type='checkerboard'/>"),
          "scene.xml:3:1: shape 'heightfield': it takes one <texture>"},
-        {FIELD("<texture type='checkerboard'/><integer name='width' value='9'/>"),
-         "scene.xml:3:1: shape 'heightfield': its texture is no image, so it needs a width and a "
-         "height"},
         {FIELD("<texture type='checkerboard'/>" SIZE(100000, 100000)),
          "scene.xml:3:1: shape 'heightfield': it has more than 2^26 heights"},
         {FIELD("<texture type='checkerboard'/>" SIZE(0, 3)),
