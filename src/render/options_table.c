@@ -181,8 +181,9 @@ const struct option options_table[] = {
     {"irradiance-neighbour-clamp", OPTION_BOOL, AT(irradiance_neighbour_clamp), false, "off|on",
      "Limits the difference between the radii R of two records to their distance."},
     {"irradiance-min-pixels", OPTION_FLOAT, AT(irradiance_min_pixels), true, "0..1000",
-     "Least influence radius a R of an irradiance record in projected pixels. "
-     "irradiance-max-pixels and record-max-radius take precedence."},
+     "Least influence radius a R of an irradiance record in projected pixels. With a time limit it "
+     "is from 4 to 1.5, by the time per pixel. irradiance-max-pixels and record-max-radius take "
+     "precedence."},
     {"irradiance-max-pixels", OPTION_FLOAT, AT(irradiance_max_pixels), false, "1..100000",
      "Largest influence radius a R of an irradiance record in projected pixels. At most an eighth "
      "of the film's longer side, or 8."},
