@@ -44,7 +44,7 @@ static const struct {
                            .irradiance_rays = 4000,
                            .irradiance_a = 0.15f,
                            .irradiance_widen = 2.0f,
-                           .irradiance_min_pixels = 3.0f,
+                           .irradiance_min_pixels = 1.5f,
                            .radiance_order = 14,
                            .radiance_rays = 5000,
                            .radiance_a = 0.2f,
@@ -93,11 +93,7 @@ static const double TIMED_GLOSSY = 2.0, DENOISED_GLOSSY = 1.0;
 // finer rounds follow, so records have fewer rays. The preset with 4 light samples, these photons
 // and rays and 36 samples per pixel had 1.6, 1.0 and 1.1 times the error of a limit as long in
 // these scenes. With these rays and 1.5 million photons it had 1.25 times the error in
-// indirect-room, now it has 1.06 times. Records may be half as wide, as rounds make these last: at
-// 12 and 40 CPU seconds (200x200) that leaves .67 to .9 times the error of closed rooms, and .97 to
-// 1.1 times that of furnished ones. At 4 it is up to 1.16 times, so drafts keep theirs, and the
-// preset's error is .9 to .98 times in a twentieth more time
-// (docs/experiments/record-placement.md).
+// indirect-room, now it has 1.06 times.
 static const struct {
     satin_quality quality;
     size_t offset;  // of the option's field
@@ -109,7 +105,6 @@ static const struct {
     {SATIN_PRODUCTION, offsetof(satin_options, photons), 2500000.0},
     {SATIN_PRODUCTION, offsetof(satin_options, caustic_photons), 4000000.0},
     {SATIN_PRODUCTION, offsetof(satin_options, irradiance_rays), 2000.0},
-    {SATIN_PRODUCTION, offsetof(satin_options, irradiance_min_pixels), 1.5},
 };
 enum { BY_TIME = sizeof by_time / sizeof *by_time };
 

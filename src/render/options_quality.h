@@ -12,7 +12,7 @@
 #define OPTIONS_QUALITY_PREVIEW                                                             \
     .light_samples = 4, .glossy_samples = 4, .photons = 300000, .caustic_photons = 1500000, \
     .irradiance_rays = 600, .irradiance_a = 0.2f, .irradiance_widen = 2.0f,                 \
-    .irradiance_min_pixels = 3.0f, .radiance_order = 14, .radiance_rays = 2000,             \
+    .irradiance_min_pixels = 2.0f, .radiance_order = 14, .radiance_rays = 2000,             \
     .radiance_a = 0.3f, .radiance_widen = 2.0f, .radiance_min_pixels = 3.0f
 
 // Sets the options that quality decides to those of a preset.

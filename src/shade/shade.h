@@ -100,12 +100,15 @@ struct shade_pixel_cache {
     struct shade_pixel_value {
         vec3 p, n, wo;
         const struct material_side *side;
-        float alpha, exponent;   // roughness
-        bool has_irradiance;     // whether E was interpolated from irradiance records
-        bool has_radiance;       // whether E and `glossy` were, from radiance records
-        struct cache_used used;  // records from which E was interpolated
-        rgb E;                   // indirect irradiance by either cache
-        rgb glossy;              // reflected by the glossy lobes, without brdf_glossy_factor
+        float alpha, exponent;  // roughness
+        // Means of what the records of each kind gave at `count` positions.
+        struct shade_pixel_light {
+            int count;
+            struct cache_used used;  // at the last position
+            rgb E;                   // indirect irradiance
+            rgb glossy;              // reflected by the glossy lobes, without brdf_glossy_factor
+            float E2, glossy2;       // means of the squared luminances
+        } light[CACHE_KINDS];
     } value[SHADE_PIXEL_VALUES];
     int count, next;
 };

@@ -50,17 +50,18 @@ static struct cache_lookup records_lookup(const struct shade_lighting *lighting)
 static bool diffuse_cached(struct shade_lighting *lighting, struct shade_pixel_value *value) {
     const struct shade *s = lighting->shade;
     const struct shading_point *p = &lighting->vertex->point;
+    struct shade_pixel_light *light = &value->light[CACHE_IRRADIANCE];
     if (!s->records.cache) return false;
-    if (!value->has_irradiance) {
+    if (shade_pixel_light_wanted(value, CACHE_IRRADIANCE)) {
         const struct cache_lookup at = records_lookup(lighting);
         rgb E;
-        value->used = cache_irradiance(s->records.cache, &at, s->records.a[CACHE_IRRADIANCE], &E);
-        if (!value->used.count) return false;
-        value->E = E;
-        value->has_irradiance = true;
+        const struct cache_used used =
+            cache_irradiance(s->records.cache, &at, s->records.a[CACHE_IRRADIANCE], &E);
+        if (!used.count) return false;
+        shade_pixel_light_add(light, used, rgb_grey(0.0f), E);
     }
-    note_records(lighting, value->used);
-    shade_add_cached(lighting, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
+    note_records(lighting, light->used);
+    shade_add_cached(lighting, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), light->E));
     return true;
 }
 
@@ -70,19 +71,21 @@ static bool indirect_cached(struct shade_lighting *lighting, const struct cache_
     const struct shade *s = lighting->shade;
     const struct shading_point *p = &lighting->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
+    struct shade_pixel_light *light = &value->light[CACHE_RADIANCE];
     if (!s->records.cache) return false;
-    if (!value->has_radiance) {
+    if (shade_pixel_light_wanted(value, CACHE_RADIANCE)) {
         const struct cache_lookup at = records_lookup(lighting);
-        value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
-        if (!value->used.count) return false;
-        value->has_radiance = true;
+        rgb glossy = rgb_grey(0.0f), E = glossy;
+        const struct cache_used used = cache_plan_radiance(&s->records, plan, p, &at, &glossy, &E);
+        if (used.count) shade_pixel_light_add(light, used, glossy, E);
+        if (!light->count) return false;
     }
-    note_records(lighting, value->used);
+    note_records(lighting, light->used);
     rgb factor = rgb_scale(brdf_glossy_factor(&p->brdf), plan->bump);
-    if (shiny) shade_add_cached(lighting, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, value->glossy));
+    if (shiny) shade_add_cached(lighting, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, light->glossy));
     if (diffuse)
         shade_add_cached(lighting, SHADE_INDIRECT_DIFFUSE,
-                         rgb_mul(cache_diffuse_albedo(p), value->E));
+                         rgb_mul(cache_diffuse_albedo(p), light->E));
     return true;
 }
 

@@ -38,7 +38,7 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     // Samples that fit are more than those of the preset, so each has fewer gather rays; with
     // little time they are fewer than those of draft, so each has fewer light samples, and
     // finer rounds of records follow coarser ones. A long limit has time for more photons than the
-    // preset, whose time goes to its samples, and more and smaller records of fewer rays.
+    // preset, whose time goes to its samples, and more records of fewer rays.
     draft.glossy_samples = production.glossy_samples = 2;
     draft.light_samples = 2;
     draft.radiance_a = 0.4f;
@@ -46,7 +46,6 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     production.photons = 2500000;
     production.caustic_photons = 4000000;
     production.irradiance_rays = 2000;
-    production.irradiance_min_pixels = 1.5f;
     assert_memory_equal(&least, &draft, sizeof least);
     assert_memory_equal(&last, &production, sizeof last);
 }
