@@ -113,6 +113,7 @@ typedef struct satin_options {
     bool gather_near;       // gather rays with hits nearer than the lookup radius continue for one
                             // bounce
     bool gather_direct;     // direct light at gather hits is from light samples instead of photons
+    bool refine_lookups;    // the estimate is gathered anew where glossy lobes show its noise
     bool guide_clusters;    // additional gather rays towards clusters of photons
     bool guide_visibility;  // direct light is sampled by the visibility of the lights
     bool texture_filter;    // bitmaps are averaged over a ray's footprint

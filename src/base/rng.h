@@ -29,7 +29,8 @@ enum rng_stream {
     RNG_BOX,
     RNG_RECORD_TEST,
     RNG_DIVIDE,
-    RNG_LOOKUP
+    RNG_LOOKUP,
+    RNG_REFINE
 };
 
 struct rng {

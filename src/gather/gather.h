@@ -217,6 +217,23 @@ struct gather_noise {
 satin_status gather_noise_measure(const struct gather *g, const struct ray *ray, size_t count,
                                   struct parallel *pool, struct gather_noise *out);
 
+// ---- Lookups of single rays (gather_lookup.c) ---------------------------------------------------
+
+// What a gather ray reads of the photons at its hit.
+struct gather_lookup {
+    int entry;
+    rgb L;         // radiance that the hit reflects [W m^-2 sr^-1]
+    float common;  // fraction of the rays of its lobe that read photons of the same disc
+};
+// Follows a ray that a lobe has drawn with this density [sr^-1]. False if nothing is read: there is
+// no surface with a diffuse lobe, or the estimate is not reliable.
+bool gather_look_up(const struct gather *g, struct ray ray, float pdf_w, struct sampler *sampler,
+                    struct gather_lookup *out);
+// Gathers E[i], indirect irradiance, at entry[i] of g->maps by so many rays. On failure,
+// SATIN_ERROR_MEMORY or SATIN_CANCELLED, E is not whole.
+satin_status gather_entries(const struct gather *g, const int *entry, size_t count, int rays,
+                            struct parallel *pool, rgb *E);
+
 // ---- Single rays (gather_single.c) --------------------------------------------------------------
 
 // The photon clusters around points of an image tile, to which single gather rays are guided: those

@@ -110,6 +110,16 @@ rgb photon_irradiance_of_entry(const struct photon_maps *maps, size_t entry);
 // The mean area in which an entry is the nearest one, from the distances of the entries around it
 // [square of the unit of length].
 float photon_irradiance_area(const struct photon_maps *maps, size_t entry);
+// The radius of the disc of the photons from which an entry was estimated.
+float photon_irradiance_radius(const struct photon_maps *maps, size_t entry);
+// Finds entries around one, of a similar normal and nearer than `distance`, among them itself: the
+// PHOTON_NEAR nearest. Returns their number.
+enum { PHOTON_NEAR = 64 };
+size_t photon_irradiance_near(const struct photon_maps *maps, size_t entry, float distance,
+                              int row[PHOTON_NEAR], float distance2[PHOTON_NEAR]);
+// Sets the irradiance of an entry, which no other thread may read meanwhile. The fraction of its
+// light that has bounced as often as max_depth allows stays.
+void photon_irradiance_replace(struct photon_maps *maps, size_t entry, rgb E);
 // Whether gather rays read the entries of irradiance.
 static inline bool photon_precomputes(const satin_options *o) {
     return o->integrator == SATIN_TWO_PASS &&

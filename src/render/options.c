@@ -28,6 +28,7 @@ const satin_options satin_options_default = {
     .texture_filter = true,
     .gather_near = true,
     .gather_direct = true,
+    .refine_lookups = true,
     .guide_clusters = true,
     .guide_visibility = true,
     .irradiance_cache = true,

@@ -87,6 +87,7 @@ static satin_status prepare_records(struct render *r) {
     if (status == SATIN_OK) status = make_tables(r);
     if (status == SATIN_OK) status = bounce_records(r);
     if (status == SATIN_OK) status = prepare_second_pass(r);
+    if (status == SATIN_OK) status = render_refine(r);
     if (status == SATIN_OK) status = render_lookup_noise(r);
     return status;
 }

@@ -311,6 +311,11 @@ void render_recursive_bounces_free(struct render *r);
 // first_pass.*; does nothing if there are no gather rays. SATIN_ERROR_MEMORY.
 satin_status render_lookup_noise(struct render *r);
 
+// ---- render_refine.c
+// Gathers the entries of irradiance anew whose noise glossy lobes would show, if the options
+// include that. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status render_refine(struct render *r);
+
 // ---- render_image_pilot.c
 // Sample a few pixels with the records so far, the first pilot fewer ones; set all members of *pace
 // except its rays. SATIN_CANCELLED if they were stopped early.

@@ -151,4 +151,14 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill
 // walk. False if there is none.
 bool shade_walk_ray(const struct shade *shade, int x, int y, struct ray *out);
 
+// What sample `index` of pixel (x, y) reads of the first pass by one ray of a glossy lobe
+// (shade_lookup.c).
+struct shade_lookup {
+    struct gather_lookup read;
+    float Y;  // luminance that the pixel has by it, as an estimate of all such light
+};
+// False if it reads nothing.
+bool shade_look_up(const struct shade *shade, int x, int y, uint32_t index,
+                   struct shade_lookup *out);
+
 #endif

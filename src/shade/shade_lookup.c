@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a glossy lobe of a sample of the image reads of the first pass.
+#include "shade/shade_eye.h"
+
+// One of the surface points that are seen, drawn by its throughput, and its probability.
+static const struct shade_vertex *draw_vertex(const struct shade_eye *eye, float u,
+                                              float *probability) {
+    float total = 0.0f;
+    for (int i = 0; i < eye->count; i++) total += rgb_max(eye->vertex[i].T);
+    float left = u * total;
+    for (int i = 0; i < eye->count; i++) {
+        const float T = rgb_max(eye->vertex[i].T);
+        left -= T;
+        *probability = T / total;
+        if (left < 0.0f) return &eye->vertex[i];
+    }
+    return NULL;
+}
+
+bool shade_look_up(const struct shade *shade, int x, int y, uint32_t index,
+                   struct shade_lookup *out) {
+    const struct gather *g = shade->g;
+    struct shade_eye eye;
+    struct sampler sampler = shade_eye_sampler(g, x, y, index, RNG_PIXEL);
+    shade_eye_trace(shade, x, y, &sampler, &eye);
+    float probability;
+    const struct shade_vertex *v = draw_vertex(&eye, sampler_1d(&sampler), &probability);
+    if (!v || !(v->point.lobes & BRDF_GLOSSY) || !gather_indirect(g->options, v->depth))
+        return false;
+    const struct shading_point *p = &v->point;
+    struct brdf_sample b;
+    const float u_lobe = sampler_1d(&sampler);
+    const vec2 u = sampler_2d(&sampler);
+    if (!brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, u, BRDF_GLOSSY, BRDF_RADIANCE, &b)) return false;
+    const struct ray ray =
+        scene_spawn(g->scene, p->interaction.p, p->interaction.ng, frame_to_world(&p->frame, b.wi));
+    if (!gather_look_up(g, ray, b.pdf_w, &sampler, &out->read)) return false;
+    out->Y = rgb_luminance(rgb_mul(v->T, rgb_mul(b.weight, out->read.L))) / probability;
+    return true;
+}
