@@ -17,12 +17,14 @@ enum {
     PILOT_OF_SAMPLES = 64,  // without a time limit: samples of the image for each of the pilot
     SITE_RAYS = 1024,       // of an entry; with four times as many the image has the same error
     RAYS_OF_SAMPLES = 4,    // without a time limit: samples of the image for each of these rays
+    SITES_FIRST = 16,       // entries that show the speed
     SITES_MOST = 4096
 };
 
-// With a time limit: samples of the pilot per core second, which take 1 to 2 % of it; the fraction
-// of the time for gathering; and how many rays take as long as a sample of the pilot, 5 to 6.
-static const double PILOT_OF_SECONDS = 1000.0, TIME_MOST = 0.1, RAYS_OF_PILOT = 5.0;
+// With a time limit: samples of the pilot per core second, which take 1 to 2 % of it, or more where
+// samples are slow; the most of the time for them, and for gathering, which shows its speed by the
+// first entries.
+static const double PILOT_OF_SECONDS = 1000.0, PILOT_TIME = 0.04, SITES_TIME = 0.05;
 
 // What is worth it: the relative squared error of the image by all lookups together, and by those
 // around one entry. Below the first, other noise has ten times as much error.
@@ -212,26 +214,6 @@ static size_t replace_entries(struct photon_maps *maps, const struct refine_site
     return replaced;
 }
 
-// Gathers the sites and replaces the entries around them.
-static satin_status refine_sites(struct render *r, const struct refine_site *site, size_t count) {
-    int *entry = array_new(count, sizeof *entry);
-    rgb *E = array_new(count, sizeof *E);
-    struct refine_term *term = array_new(PHOTON_NEAR * count, sizeof *term);
-    satin_status status = entry && E && term ? SATIN_OK : SATIN_ERROR_MEMORY;
-    for (size_t i = 0; entry && i < count; i++) entry[i] = site[i].entry;
-    if (status == SATIN_OK)
-        status = gather_entries(&r->second_pass.gather, entry, count, SITE_RAYS, r->pool, E);
-    if (status == SATIN_OK) {
-        stats_set(&r->stats, "first_pass.refined_sites", (double)count);
-        stats_set(&r->stats, "first_pass.refined",
-                  (double)replace_entries(r->first_pass.maps, site, count, E, term));
-    }
-    free(entry);
-    free(E);
-    free(term);
-    return status;
-}
-
 // ---- Budgets ------------------------------------------------------------------------------------
 
 static double image_samples(const satin_options *o) {
@@ -245,14 +227,56 @@ static size_t pilot_samples(const struct render *r) {
     return (size_t)fmin(fit, PILOT_MOST);
 }
 
-// The sites for which there is time, if the pilot took so many seconds.
-static size_t sites_that_fit(const struct render *r, const struct refine_pilot *pilot,
-                             double seconds) {
-    const satin_options *o = &r->options;
-    const double rays = RAYS_OF_PILOT * (double)pilot->first / fmax(seconds, 1e-9);
-    const double fit = o->time > 0.0 ? TIME_MOST * o->time * rays / SITE_RAYS
-                                     : image_samples(o) / RAYS_OF_SAMPLES / SITE_RAYS;
-    return (size_t)fmin(fit, SITES_MOST);
+static size_t sites_most(const satin_options *o) {
+    if (o->time > 0.0) return SITES_MOST;
+    return (size_t)fmin(image_samples(o) / RAYS_OF_SAMPLES / SITE_RAYS, SITES_MOST);
+}
+
+// The number of items, at most `count`, that fit into a fraction of the time limit, if there is
+// one, as `done` of them have taken the seconds since `start`.
+static size_t items_that_fit(const struct render *r, size_t count, double fraction, size_t done,
+                             double start) {
+    if (!(r->options.time > 0.0)) return count;
+    const double seconds = render_agreed(r, stats_wall() - start);
+    const double fit = fraction * r->options.time * (double)done / fmax(seconds, 1e-9);
+    return fit < (double)count ? (size_t)fit : count;
+}
+
+// ---- Refining -----------------------------------------------------------------------------------
+
+// Gathers E at up to *count entries, and sets *count to the number for which there was time.
+static satin_status refine_in_time(struct render *r, const int *entry, rgb *E, size_t *count) {
+    const double start = stats_wall();
+    satin_status status = SATIN_OK;
+    size_t done = 0, next = r->options.time > 0.0 && *count > SITES_FIRST ? SITES_FIRST : *count;
+    while (done < next && status == SATIN_OK) {
+        status = gather_entries(&r->second_pass.gather, entry + done, next - done, SITE_RAYS,
+                                r->pool, E + done);
+        done = next;
+        next = items_that_fit(r, *count, SITES_TIME, done, start);
+        if (next > 2 * done) next = 2 * done;
+    }
+    *count = done;
+    return status;
+}
+
+// Gathers the sites and replaces the entries around them.
+static satin_status refine_sites(struct render *r, const struct refine_site *site, size_t count) {
+    int *entry = array_new(count, sizeof *entry);
+    rgb *E = array_new(count, sizeof *E);
+    struct refine_term *term = array_new(PHOTON_NEAR * count, sizeof *term);
+    satin_status status = entry && E && term ? SATIN_OK : SATIN_ERROR_MEMORY;
+    for (size_t i = 0; entry && i < count; i++) entry[i] = site[i].entry;
+    if (status == SATIN_OK) status = refine_in_time(r, entry, E, &count);
+    if (status == SATIN_OK) {
+        stats_set(&r->stats, "first_pass.refined_sites", (double)count);
+        stats_set(&r->stats, "first_pass.refined",
+                  (double)replace_entries(r->first_pass.maps, site, count, E, term));
+    }
+    free(entry);
+    free(E);
+    free(term);
+    return status;
 }
 
 static satin_status refine_image(struct render *r, struct refine_pilot *pilot, size_t count) {
@@ -263,14 +287,14 @@ static satin_status refine_image(struct render *r, struct refine_pilot *pilot, s
     satin_status status = read && site ? SATIN_OK : SATIN_ERROR_MEMORY;
     if (status == SATIN_OK) status = advance_pilot(r, pilot, count / PILOT_FIRST);
     const bool worth = status == SATIN_OK && pilot_error(pilot, k) > WORTH_ALL;
-    if (worth) status = advance_pilot(r, pilot, count);
-    const double seconds = render_agreed(r, stats_wall() - start);
+    const size_t fit = worth ? items_that_fit(r, count, PILOT_TIME, pilot->first, start) : 0;
+    if (fit > pilot->first) status = advance_pilot(r, pilot, fit);
     if (status == SATIN_OK)
         stats_set(&r->stats, "first_pass.error_shown", sqrt(pilot_error(pilot, k)));
     if (worth && status == SATIN_OK) {
         const size_t chosen = choose_sites(r->first_pass.maps, pilot, read, site);
-        const size_t fit = sites_that_fit(r, pilot, seconds);
-        status = refine_sites(r, site, chosen < fit ? chosen : fit);
+        const size_t most = sites_most(&r->options);
+        status = refine_sites(r, site, chosen < most ? chosen : most);
     }
     free(read);
     free(site);
