@@ -36,6 +36,7 @@ struct gather {
     const struct photon_maps *maps;
     const struct guide_clusters *clusters;      // of the maps; may be NULL
     const struct guide_visibility *visibility;  // of the lights; NULL: all are visible
+    int deeper;             // segments between what is seen and the points that gather
     bool wide_lights;       // whether lights are so large that light sampling alone is noisy
     bool rays_find_lights;  // whether some light is hit by rays: not all are points or directions
     const struct gather_direct *direct;  // NULL: there is none

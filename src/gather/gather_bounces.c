@@ -123,7 +123,7 @@ static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
 // that of y may pass.
 static bool includes_direct(const struct path_vertex *v, struct gather_estimate estimate) {
     return estimate.reliable && estimate.direct &&
-           (v->depth == gather_hit_depth(v->g) || v->g->options->max_depth < 0);
+           (v->depth == photon_hit_depth(v->g->options) || v->g->options->max_depth < 0);
 }
 
 // Irradiance by caustic photons at a vertex, beside the light that was added there.
@@ -228,7 +228,7 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
     float radius;
     int entry;
     rgb E;
-    const int more = z->depth - gather_hit_depth(g);
+    const int more = z->depth - photon_hit_depth(g->options);
     const struct photon_lookups one = {1,     &z->y->interaction.p, &z->y->ng, &more, &E, &radius,
                                        &entry};
     photon_irradiance_many(g->maps, g->scene, &one);

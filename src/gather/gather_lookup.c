@@ -56,12 +56,9 @@ static void gather_entries_chunk(void *ctx, size_t begin, size_t end, int worker
 
 satin_status gather_entries(const struct gather *g, const int *entry, size_t count, int rays,
                             struct parallel *pool, rgb *E) {
-    // A hit of these rays has one segment more between it and the eye than that of a gather ray.
-    satin_options deeper = *g->options;
-    if (deeper.max_depth >= 0) deeper.max_depth--;
     struct gather_layout *layout = gather_layout_new(rays, SATIN_HSH, 0);
     struct entries_loop loop = {*g, entry, E, layout, NULL};
-    loop.g.options = &deeper;
+    loop.g.deeper = 1;
     if (layout) loop.worker = gather_workers_new(pool, gather_layout_rays(layout));
     const struct parallel_results gathered = {.slot = {{E, sizeof *E}}, .journaled = true};
     satin_status status = SATIN_OK;

@@ -42,14 +42,14 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
         hits->p[i] = y->interaction.p;
         hits->n[i] = y->ng;
         hits->entry[i] = -1;
-        hits->specular[i] = hits->hit[i].specular;
+        hits->more[i] = hits->hit[i].specular + g->deeper;
         if (!precomputed) hits->E[i] = density_irradiance(g, &hits->hit[i], &hits->radius[i]);
     }
-    const struct photon_lookups lookups = {count,   hits->p,      hits->n,    hits->specular,
+    const struct photon_lookups lookups = {count,   hits->p,      hits->n,    hits->more,
                                            hits->E, hits->radius, hits->entry};
     if (precomputed) photon_irradiance_many(g->maps, g->scene, &lookups);
     for (size_t i = 0; i < count; i++)
-        if (!gather_reads_photons(g, gather_hit_depth(g) + hits->specular[i]))
+        if (!gather_reads_photons(g, photon_hit_depth(g->options) + hits->more[i]))
             hits->E[i] = rgb_grey(0.0f);
 }
 

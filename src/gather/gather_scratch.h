@@ -23,7 +23,8 @@ struct gather_hit {
 struct gather_hits {
     struct gather_hit hit[GATHER_HITS_MOST];
     vec3 p[GATHER_HITS_MOST], n[GATHER_HITS_MOST];  // points and normals of the lookups
-    int specular[GATHER_HITS_MOST];                 // as in gather_hit
+    int more[GATHER_HITS_MOST];  // segments from the eye beyond those to what gather rays of the
+                                 // image hit
     rgb E[GATHER_HITS_MOST];
     float radius[GATHER_HITS_MOST];
     int entry[GATHER_HITS_MOST];

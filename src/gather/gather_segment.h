@@ -6,7 +6,9 @@
 #include "gather/gather.h"
 
 // The number of segments from the eye to the end of a gather ray without specular surfaces.
-static inline int gather_hit_depth(const struct gather *g) { return photon_hit_depth(g->options); }
+static inline int gather_hit_depth(const struct gather *g) {
+    return photon_hit_depth(g->options) + g->deeper;
+}
 // Whether a path from the eye whose first `depth` segments end at a surface is within max_depth
 // with `more` segments after it.
 static inline bool gather_within_depth(const struct gather *g, int depth, int more) {

@@ -307,12 +307,16 @@ static bool has_bounces(const satin_options *o) {
     return o->max_depth < 0 || o->max_depth - photon_hit_depth(o) > 1;
 }
 
+// Whether entries have indirect light alone, which can be gathered.
+static bool has_entries(const struct render *r) {
+    const satin_options *o = &r->options;
+    return r->first_pass.maps && photon_precomputes_direct(o) && o->final_gather && has_bounces(o);
+}
+
 satin_status render_refine(struct render *r) {
     const satin_options *o = &r->options;
     const size_t count = pilot_samples(r);
-    if (!o->refine_lookups || !photon_precomputes(o) || !r->first_pass.maps || !o->final_gather ||
-        !has_bounces(o) || count < PILOT_LEAST)
-        return SATIN_OK;
+    if (!o->refine_lookups || !has_entries(r) || count < PILOT_LEAST) return SATIN_OK;
     const double start = stats_wall();
     const char *part = parallel_begin_part(r->pool, "refine");
     const size_t threads = (size_t)parallel_threads(r->pool);

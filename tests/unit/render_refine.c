@@ -94,7 +94,8 @@ static void nothing_is_refined_in_vain(void **state) {
         const char *name, *value;
     } without[] = {{refine_glossy, "refine-lookups", "off"}, {refine_glossy, "max-depth", "3"},
                    {refine_glossy, "final-gather", "off"},   {refine_glossy, "first-pass", "path"},
-                   {refine_glossy, "integrator", "path"},    {refine_diffuse, "max-depth", "-1"}};
+                   {refine_glossy, "integrator", "path"},    {refine_diffuse, "max-depth", "-1"},
+                   {refine_glossy, "gather-direct", "off"}};
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
         satin_film *film =
             render_refined(without[i].scene, "0", "0", without[i].name, without[i].value);
