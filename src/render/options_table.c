@@ -137,7 +137,8 @@ const struct option options_table[] = {
      "irradiance is precomputed. If off, it comes from photons."},
     {"refine-lookups", OPTION_BOOL, AT(refine_lookups), false, "off|on",
      "Gathers precomputed irradiance anew where glossy lobes of what is seen read it so often that "
-     "the noise of its photons shows. It has an effect with integrator two-pass."},
+     "the noise of its photons shows. It has an effect with integrator two-pass and "
+     "gather-direct."},
     {"guide-clusters", OPTION_BOOL, AT(guide_clusters), false, "off|on",
      "Adds gather rays, at most half as many as a hemisphere has, towards clusters of photons, "
      "which are small and brightly lit areas. The photons that are searched for clusters are "

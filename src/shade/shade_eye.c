@@ -135,3 +135,18 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         }
     }
 }
+
+const struct shade_vertex *shade_eye_choose(const struct shade_eye *eye, float u,
+                                            float *probability) {
+    float total = 0.0f;
+    for (int i = 0; i < eye->count; i++) total += rgb_max(eye->vertex[i].T);
+    float left = u * total;
+    for (int i = 0; i < eye->count; i++) {
+        const float T = rgb_max(eye->vertex[i].T);
+        left -= T;
+        if (!(left < 0.0f)) continue;
+        if (probability) *probability = T / total;
+        return &eye->vertex[i];
+    }
+    return NULL;
+}

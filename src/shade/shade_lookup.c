@@ -2,21 +2,6 @@
 // What a glossy lobe of a sample of the image reads of the first pass.
 #include "shade/shade_eye.h"
 
-// One of the surface points that are seen, drawn by its throughput, and its probability.
-static const struct shade_vertex *draw_vertex(const struct shade_eye *eye, float u,
-                                              float *probability) {
-    float total = 0.0f;
-    for (int i = 0; i < eye->count; i++) total += rgb_max(eye->vertex[i].T);
-    float left = u * total;
-    for (int i = 0; i < eye->count; i++) {
-        const float T = rgb_max(eye->vertex[i].T);
-        left -= T;
-        *probability = T / total;
-        if (left < 0.0f) return &eye->vertex[i];
-    }
-    return NULL;
-}
-
 bool shade_look_up(const struct shade *shade, int x, int y, uint32_t index,
                    struct shade_lookup *out) {
     const struct gather *g = shade->g;
@@ -24,7 +9,7 @@ bool shade_look_up(const struct shade *shade, int x, int y, uint32_t index,
     struct sampler sampler = shade_eye_sampler(g, x, y, index, RNG_PIXEL);
     shade_eye_trace(shade, x, y, &sampler, &eye);
     float probability;
-    const struct shade_vertex *v = draw_vertex(&eye, sampler_1d(&sampler), &probability);
+    const struct shade_vertex *v = shade_eye_choose(&eye, sampler_1d(&sampler), &probability);
     if (!v || !(v->point.lobes & BRDF_GLOSSY) || !gather_indirect(g->options, v->depth))
         return false;
     const struct shading_point *p = &v->point;

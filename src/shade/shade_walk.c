@@ -7,18 +7,6 @@
 // fraction of the path's length from the eye.
 static const float FOOTPRINT = 0.05f;
 
-// One of the surface points that are seen in a pixel, drawn by its throughput.
-static const struct shading_point *choose_vertex(const struct shade_eye *eye, float u) {
-    float total = 0.0f;
-    for (int i = 0; i < eye->count; i++) total += rgb_max(eye->vertex[i].T);
-    float left = u * total;
-    for (int i = 0; i < eye->count; i++) {
-        left -= rgb_max(eye->vertex[i].T);
-        if (left < 0.0f) return &eye->vertex[i].point;
-    }
-    return NULL;
-}
-
 // Draws a segment of a walk that leaves p.
 static bool draw_segment(const struct gather *g, const struct shading_point *p,
                          struct sampler *sampler, struct ray *out) {
@@ -36,8 +24,8 @@ bool shade_walk_ray(const struct shade *shade, int x, int y, struct ray *out) {
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, 0, RNG_SITE);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    const struct shading_point *start = choose_vertex(&eye, sampler_1d(&sampler));
-    return start && draw_segment(shade->g, start, &sampler, out);
+    const struct shade_vertex *start = shade_eye_choose(&eye, sampler_1d(&sampler), NULL);
+    return start && draw_segment(shade->g, &start->point, &sampler, out);
 }
 
 bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill_site *out) {
@@ -45,9 +33,9 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(g, x, y, (uint32_t)bounce, RNG_SITE);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    const struct shading_point *start = choose_vertex(&eye, sampler_1d(&sampler));
+    const struct shade_vertex *start = shade_eye_choose(&eye, sampler_1d(&sampler), NULL);
     if (!start) return false;
-    struct shading_point p = *start;
+    struct shading_point p = start->point;
     float length = 0.0f;
     for (int i = 0; i < bounce; i++) {
         struct ray ray;
