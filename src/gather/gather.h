@@ -222,9 +222,10 @@ satin_status gather_noise_measure(const struct gather *g, const struct ray *ray,
 
 // What a gather ray reads of the photons at its hit.
 struct gather_lookup {
-    int entry;
+    int entry;     // -1: none is as near as the spacing of the photons
     rgb L;         // radiance that the hit reflects [W m^-2 sr^-1]
-    float common;  // fraction of the rays of its lobe that read photons of the same disc
+    float common;  // fraction of the rays of its lobe that read photons of the same disc; 0 if
+                   // there is no entry
 };
 // Follows a ray that a lobe has drawn with this density [sr^-1]. False if nothing is read: there is
 // no surface with a diffuse lobe, or the estimate is not reliable.

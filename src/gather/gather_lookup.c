@@ -15,13 +15,17 @@ bool gather_look_up(const struct gather *g, struct ray ray, float pdf_w, struct 
         !gather_reads_photons(g, gather_hit_depth(g) + segment.specular))
         return false;
     float radius;
+    rgb E;
     const float t = y.interaction.t;
-    const rgb E =
-        photon_irradiance_at(g->maps, g->scene, y.interaction.p, y.ng, &radius, &out->entry);
+    const int more = segment.specular + g->deeper;
+    const struct photon_lookups one = {1, &y.interaction.p, &y.ng, &more, &E, &radius, &out->entry};
+    photon_irradiance_many(g->maps, g->scene, &one);
     const bool near = gather_is_near(g, t, radius, GATHER_NEAR_DISCS);
-    if (out->entry < 0 || !gather_is_reliable(g, &y, radius, near)) return false;
+    if (!gather_is_reliable(g, &y, radius, near)) return false;
     const rgb albedo = rgb_mul(segment.T, brdf_albedo(&y.brdf, y.wo_l, BRDF_DIFFUSE));
     out->L = rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
+    out->common = 0.0f;
+    if (out->entry < 0) return true;
     const float disc =
         PI_F * sqrf(photon_irradiance_radius(g->maps, (size_t)out->entry)) * fabsf(y.wo_l.z);
     out->common = fminf(pdf_w * disc / sqrf(t), 1.0f);
@@ -50,7 +54,7 @@ static void gather_entries_chunk(void *ctx, size_t begin, size_t end, int worker
         struct cache_irradiance_value value;
         gather_hemisphere_trace(&loop->g, loop->layout, &site, w->scratch, w->hemisphere);
         gather_hemisphere_irradiance(w->hemisphere, SATIN_GRADIENTS_NONE, &value);
-        loop->E[i] = cache_rotate_irradiance(&value, site.ng, site.ng);
+        loop->E[i] = value.E;
     }
 }
 

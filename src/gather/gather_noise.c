@@ -31,35 +31,20 @@ struct noise_rays {
     double *cpu_s;                    // by worker
 };
 
-// The variance of the light by photons at the hit of a ray, where their estimate is read.
-static float variance_by_photons(const struct gather *g, const struct gather_segment *segment,
-                                 const struct shading_point *y) {
-    float radius;
-    int entry;
-    rgb E;
-    const struct photon_lookups one = {1,  &y->interaction.p, &y->ng, &segment->specular,
-                                       &E, &radius,           &entry};
-    photon_irradiance_many(g->maps, g->scene, &one);
-    const bool near = gather_is_near(g, y->interaction.t, radius, GATHER_NEAR_DISCS);
-    if (!gather_reads_photons(g, gather_hit_depth(g) + segment->specular) ||
-        !gather_is_reliable(g, y, radius, near))
-        return 0.0f;
-    const rgb albedo = rgb_mul(segment->T, brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE));
-    return photon_noise2(g->maps) * sqrf(rgb_luminance(rgb_mul(albedo, E)) / PI_F);
-}
-
 // The variance of the stored light that a ray reads.
 static float variance_of_stored(const struct gather *g, const struct ray *ray, uint32_t item) {
     const satin_first_pass first = g->options->first_pass;
-    const bool photons =
-        g->maps && (first == SATIN_FIRST_PHOTONS || photon_precomputes(g->options));
-    if (!photons && !g->next.gather) return 0.0f;
-    const struct gather_segment_start start = {.ray = *ray, .depth = gather_hit_depth(g) - 1};
     struct sampler sampler = {item, (uint32_t)g->options->seed, 0};
+    if (g->maps && (first == SATIN_FIRST_PHOTONS || photon_precomputes(g->options))) {
+        struct gather_lookup read;
+        if (!gather_look_up(g, *ray, 0.0f, &sampler, &read)) return 0.0f;
+        return photon_noise2(g->maps) * sqrf(rgb_luminance(read.L));
+    }
+    if (!g->next.gather) return 0.0f;
+    const struct gather_segment_start start = {.ray = *ray, .depth = gather_hit_depth(g) - 1};
     struct gather_segment segment = {.first = GATHER_NOTHING};
     struct shading_point y;
     if (!gather_segment_trace(g, &start, &sampler, &segment, &y)) return 0.0f;
-    if (photons) return variance_by_photons(g, &segment, &y);
     return sqrf(rgb_luminance(segment.T)) * cache_reflected_variance(g->next.reader, &y);
 }
 

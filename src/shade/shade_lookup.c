@@ -19,7 +19,7 @@ bool shade_look_up(const struct shade *shade, int x, int y, uint32_t index,
     if (!brdf_sample_wi(&p->brdf, p->wo_l, u_lobe, u, BRDF_GLOSSY, BRDF_RADIANCE, &b)) return false;
     const struct ray ray =
         scene_spawn(g->scene, p->interaction.p, p->interaction.ng, frame_to_world(&p->frame, b.wi));
-    if (!gather_look_up(g, ray, b.pdf_w, &sampler, &out->read)) return false;
+    if (!gather_look_up(g, ray, b.pdf_w, &sampler, &out->read) || out->read.entry < 0) return false;
     out->Y = rgb_luminance(rgb_mul(v->T, rgb_mul(b.weight, out->read.L))) / probability;
     return true;
 }

@@ -26,6 +26,7 @@ struct lookup_case {
     struct parallel *pool;
     struct stats stats;
     struct photon_maps *maps;
+    struct gather g;
 };
 
 static void lookup_begin(struct lookup_case *c, int max_depth) {
@@ -37,6 +38,16 @@ static void lookup_begin(struct lookup_case *c, int max_depth) {
     c->o.max_depth = max_depth;
     c->o.rr_depth = 100;
     assert_int_equal(photon_case_build(&c->t.scene, &c->o, c->pool, &c->stats, &c->maps), SATIN_OK);
+    c->g = gather_make(&c->t.scene, &c->o, c->maps);
+}
+
+// What one ray reads, by a lobe of this density.
+static struct gather_lookup lookup_along_x(const struct lookup_case *c, float pdf_w) {
+    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
+    struct sampler sampler = {0, 1, 0};
+    struct gather_lookup out;
+    assert_true(gather_look_up(&c->g, ray, pdf_w, &sampler, &out));
+    return out;
 }
 
 static void lookup_end(struct lookup_case *c) {
@@ -53,12 +64,11 @@ static void entries_have_the_light_of_their_depth(void **state) {
     for (int bounces = 1; bounces <= 4; bounces++) {
         struct lookup_case c;
         lookup_begin(&c, bounces < 4 ? bounces + 3 : -1);
-        const struct gather g = gather_make(&c.t.scene, &c.o, c.maps);
         int entry[ENTRIES];
         rgb E[ENTRIES];
         for (int i = 0; i < ENTRIES; i++)
             entry[i] = (int)((size_t)i * photon_irradiance_count(c.maps) / ENTRIES);
-        assert_int_equal(gather_entries(&g, entry, ENTRIES, 256, c.pool, E), SATIN_OK);
+        assert_int_equal(gather_entries(&c.g, entry, ENTRIES, 256, c.pool, E), SATIN_OK);
         float mean = 0.0f, sum = 0.0f, power = 1.0f;
         for (int i = 0; i < ENTRIES; i++) mean += rgb_luminance(E[i]) / (PI_F * ENTRIES);
         for (int n = 1; n <= bounces; n++) sum += power *= LOOKUP_ALBEDO;
@@ -73,12 +83,7 @@ static void narrow_lobes_read_one_disc(void **state) {
     (void)state;
     struct lookup_case c;
     lookup_begin(&c, -1);
-    const struct gather g = gather_make(&c.t.scene, &c.o, c.maps);
-    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
-    struct sampler sampler = {0, 1, 0};
-    struct gather_lookup narrow, wide;
-    assert_true(gather_look_up(&g, ray, 1e6f, &sampler, &narrow));
-    assert_true(gather_look_up(&g, ray, 0.3f, &sampler, &wide));
+    const struct gather_lookup narrow = lookup_along_x(&c, 1e6f), wide = lookup_along_x(&c, 0.3f);
     assert_true(narrow.common == 1.0f && wide.common > 0.0f && wide.common < 0.1f);
     assert_int_equal(narrow.entry, wide.entry);
     assert_true(narrow.L.g > 0.0f && narrow.L.g == wide.L.g);
@@ -90,15 +95,10 @@ static void replaced_entries_are_read(void **state) {
     (void)state;
     struct lookup_case c;
     lookup_begin(&c, -1);
-    const struct gather g = gather_make(&c.t.scene, &c.o, c.maps);
-    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
-    struct sampler sampler = {0, 1, 0};
-    struct gather_lookup before, after;
-    assert_true(gather_look_up(&g, ray, 1.0f, &sampler, &before));
+    const struct gather_lookup before = lookup_along_x(&c, 1.0f);
     const size_t entry = (size_t)before.entry;
     photon_irradiance_replace(c.maps, entry, rgb_grey(7.0f));
-    assert_true(gather_look_up(&g, ray, 1.0f, &sampler, &after));
-    assert_float_equal(after.L.r, LOOKUP_ALBEDO * 7.0f / PI_F, 1e-4f);
+    assert_float_equal(lookup_along_x(&c, 1.0f).L.r, LOOKUP_ALBEDO * 7.0f / PI_F, 1e-4f);
     int row[PHOTON_NEAR];
     float distance2[PHOTON_NEAR];
     const float radius = photon_irradiance_radius(c.maps, entry);
