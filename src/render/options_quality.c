@@ -21,7 +21,7 @@ static const struct {
 } preset[] = {
     [SATIN_DRAFT] = {6e-5,
                      9,
-                     {.light_samples = 4,
+                     {.light_samples = 8,
                       .glossy_samples = 2,
                       .photons = 100000,
                       .caustic_photons = 200000,
@@ -74,6 +74,13 @@ static const struct {
 };
 enum { BEYOND = sizeof beyond / sizeof *beyond };
 
+// Below this effort light samples fall in proportion, as few pixel samples fit. With 3 instead of 8
+// at 1.25e-5 vase, sphere-on-floor and cornell-metal have .36, .40 and .44 times the error; with 6
+// at 2.5e-5 six scenes have .91 times that with 8, and .92 times that with 4.
+static const double LIGHTS_EFFORT = 3.2e-5;
+// With fewer, the variance by one of them is not known.
+static const double LIGHTS_LEAST = 2.0;
+
 // Gather rays per pixel sample for glossy reflection, if the image takes the samples that fit: each
 // of these has light samples, too. Measured with 4, 2 and 1 of them in two furnished rooms, relMSE
 // .047, .037 and .045, .0109, .0105 and .0117. If the image is denoised, edges need samples more:
@@ -82,26 +89,19 @@ static const double TIMED_GLOSSY = 2.0, DENOISED_GLOSSY = 1.0;
 
 // Options of time limits at the effort of a preset that are not the preset's own.
 //
-// At that of draft: a short limit has few pixel samples, of which each needs its own light. With 4
-// instead of 2 light samples, living-room had 1.2 times the variance at 360 microseconds per pixel,
-// and sixteen other scenes .98 times. The preset has nine: with 4, .74, .82 and .98 times the error
-// in vase, cornell-glossy and indirect-room, in as much time. Radiance records of the preset's
-// accuracy are 5 % of its time at most and vary less from seed to seed: a block of 8x8 pixels in
-// glossy-room by 2 % instead of 11. Limits gain nothing by them, having finer rounds.
+// At that of draft: radiance records of the preset's accuracy are 5 % of its time at most and vary
+// less from seed to seed: a block of 8x8 pixels in glossy-room by 2 % instead of 11. Limits gain
+// nothing by them, having finer rounds.
 //
 // At that of production: the image takes the samples that fit, so more photons do not lack any, and
-// finer rounds follow, so records have fewer rays. The preset with 4 light samples, these photons
-// and rays and 36 samples per pixel had 1.6, 1.0 and 1.1 times the error of a limit as long in
-// these scenes. With these rays and 1.5 million photons it had 1.25 times the error in
-// indirect-room, now it has 1.06 times.
+// finer rounds follow, so records have fewer rays. With these rays and 1.5 million photons the
+// preset had 1.25 times the error of a limit as long in indirect-room, now it has 1.06 times.
 static const struct {
     satin_quality quality;
     size_t offset;  // of the option's field
     double value;
 } by_time[] = {
-    {SATIN_DRAFT, offsetof(satin_options, light_samples), 2.0},
     {SATIN_DRAFT, offsetof(satin_options, radiance_a), 0.4},
-    {SATIN_PRODUCTION, offsetof(satin_options, light_samples), 4.0},
     {SATIN_PRODUCTION, offsetof(satin_options, photons), 2500000.0},
     {SATIN_PRODUCTION, offsetof(satin_options, caustic_photons), 4000000.0},
     {SATIN_PRODUCTION, offsetof(satin_options, irradiance_rays), 2000.0},
@@ -192,6 +192,8 @@ static void set_by_effort(satin_options *options, const struct option *o, double
     double fraction;
     const int i = find_preset(effort, &fraction);
     set_number(options, o, timed_value(i, o));
+    if (o->offset == offsetof(satin_options, light_samples) && effort < LIGHTS_EFFORT)
+        set_number(options, o, fmax(timed_value(i, o) * effort / LIGHTS_EFFORT, LIGHTS_LEAST));
     if (i == PRESETS - 1) extrapolate_option(options, o, effort / preset[i].effort);
     if (fraction == 0.0) return;
     const double from = log(timed_value(i, o)), to = log(timed_value(i + 1, o));

@@ -10,7 +10,7 @@
 // The fields that quality decides at `preview`, which are the defaults too: for an initializer,
 // because the defaults are a constant.
 #define OPTIONS_QUALITY_PREVIEW                                                             \
-    .light_samples = 4, .glossy_samples = 4, .photons = 300000, .caustic_photons = 1500000, \
+    .light_samples = 8, .glossy_samples = 4, .photons = 300000, .caustic_photons = 1500000, \
     .irradiance_rays = 600, .irradiance_a = 0.2f, .irradiance_widen = 2.0f,                 \
     .irradiance_min_pixels = 2.0f, .radiance_order = 14, .radiance_rays = 2000,             \
     .radiance_a = 0.3f, .radiance_widen = 2.0f, .radiance_min_pixels = 3.0f

@@ -328,7 +328,7 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct adaptive_pixel *p = &loop->adapt->pixel[i];
-        if (!(light[i] > 0.0f)) continue;  // nothing is known, or lights cause no noise
+        if (light[i] < 0.0f) continue;  // nothing is known
         const float m =
             powf(light[i] * loop->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
         p->light_samples = (uint32_t)clampf(m, 1.0f, RENDER_LIGHT_SAMPLES_MOST);

@@ -160,8 +160,8 @@ float render_budget_largest_factor(const satin_options *options);
 
 // The seconds that the first round may still take.
 double render_budget_first_round(const struct render *r);
-// Whether another round should follow the first one, which took `seconds`. It takes longer, being
-// finer; without one there is more time for the image.
+// Whether another round should follow the first one, whose records take `seconds` by all their
+// rays. It takes longer, being finer; without one there is more time for the image.
 bool render_budget_next_round(const struct render *r, double seconds);
 
 // What the first round has made so far, and the rays of its records. It must cover the image within
@@ -172,6 +172,7 @@ struct render_covering {
     double last, made;      // numbers of records of the last level, and so far of this one
     double full, seconds;   // records, each weighted by its fraction of the rays, and the time for
                             // them; earlier ones count less
+    double all, all_full;   // those of all levels, neither counting less
     double pixels, search;  // pixels that were searched for sites, and the time for that [s]
 };
 
@@ -191,6 +192,8 @@ void render_covering_plan(const satin_options *options, struct render_covering *
 // To be called with the time for `made` records of the level of this stride [s].
 void render_covering_filled(const satin_options *options, struct render_covering *covering,
                             int stride, double made, double seconds);
+// The seconds that all records of the first round, which took `seconds`, take by all their rays.
+double render_covering_by_all_rays(const struct render_covering *covering, double seconds);
 // To be called after a level.
 void render_covering_next(struct render_covering *covering);
 // To be called after a level whose records and rays were measured: whether the image is denoised

@@ -162,8 +162,14 @@ void render_covering_plan(const satin_options *o, struct render_covering *c, int
 void render_covering_filled(const satin_options *o, struct render_covering *c, int stride,
                             double made, double seconds) {
     c->made += made;
+    c->all += made;
+    c->all_full += made * (double)render_covering_rays(o, c, stride);
     c->seconds = SPEED_FADES * c->seconds + seconds;
     c->full = SPEED_FADES * c->full + made * (double)render_covering_rays(o, c, stride);
+}
+
+double render_covering_by_all_rays(const struct render_covering *c, double seconds) {
+    return c->all_full > 0.0 ? seconds * c->all / c->all_full : seconds;
 }
 
 void render_covering_next(struct render_covering *c) {

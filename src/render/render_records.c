@@ -216,7 +216,8 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         const double seconds = render_agreed(r, stats_wall() - start);
-        if (!render_budget_next_round(r, seconds)) break;
+        const double next = render_covering_by_all_rays(&rounds->covering, seconds);
+        if (!render_budget_next_round(r, next)) break;
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
                                            fmax(seconds, 1e-9)};
         status = render_image_pilot(r, &pace);

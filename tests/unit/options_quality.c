@@ -42,7 +42,6 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     draft.glossy_samples = production.glossy_samples = 2;
     draft.light_samples = 2;
     draft.radiance_a = 0.4f;
-    production.light_samples = 4;
     production.photons = 2500000;
     production.caustic_photons = 4000000;
     production.irradiance_rays = 2000;

@@ -57,10 +57,10 @@ static void steps_end_in_their_order(void **state) {
     render_limit_records(&r, NULL);
     const double records = r.progress.deadline, image = image_limit(&r);
     assert_true(0.0 < tables && tables < records && records < image && image < 1000.0);
-    // A second round of records follows if there is time for half of it.
+    // A second round of records follows if there is time for .3 of it.
     r.progress.deadline = records;
-    assert_true(render_budget_next_round(&r, 1.9 * (records - 1.0)));
-    assert_false(render_budget_next_round(&r, 2.1 * records));
+    assert_true(render_budget_next_round(&r, 3.2 * (records - 1.0)));
+    assert_false(render_budget_next_round(&r, 3.5 * records));
     parallel_free(r.pool);
 }
 
