@@ -241,6 +241,7 @@ satin_status render_photons(struct render *r) {
     if (status != SATIN_OK || too_slow) return status;
     struct render_photon_counts more = render_budget_photons(
         r, expected_seconds(r, first), starved(r, first * (double)r->options.photons), caustics(r));
+    if (r->first_pass.caustics_chosen) more.caustic = 1.0;
     if (!(more.fraction > 0.0)) return SATIN_OK;
     render_memory_grow(r, &more);
     render_drop_photons(r, before);

@@ -102,7 +102,8 @@ static void photons_fit_into_the_time_or_are_left_out(void **state) {
     assert_true(render_budget_photons(&r, 16000, 4.0, 0.0).fraction == 0.0);
     // Caustics have more time, and more photons if they fit.
     assert_true(render_budget_photons(&r, 480, 4.0, 1.0).fraction > few.fraction);
-    assert_true(render_budget_photons(&r, 134.4, 4.0, 0.0).caustic == 1.0);
+    assert_true(render_budget_photons(&r, 134.4, 4.0, 0.0).caustic == 0.25);
+    assert_true(render_budget_photons(&r, 134.4, 4.0, 0.25).caustic == 1.0);
     assert_true(render_budget_photons(&r, 134.4, 4.0, 1.0).caustic > 2.0);
     assert_true(render_budget_photons(&r, 27.2, 4.0, 1.0).caustic == 4.0);
     assert_true(render_budget_caustics(0.0) == 0.0 && render_budget_caustics(10.0) == 1.0);
