@@ -8,6 +8,13 @@
 #include "base/parallel.h"
 #include "base/vec.h"
 
+// Samples of direct light in the samples of one pixel.
+struct adaptive_direct {
+    float variance;  // sum of the samples' variances by one of them
+    uint32_t next;   // in the next sample
+    uint32_t taken;  // in all samples
+};
+
 // Statistics of one pixel's samples.
 struct adaptive_pixel {
     rgb sum, sum_before;           // of all samples, and of those before the last comparison
@@ -15,9 +22,8 @@ struct adaptive_pixel {
     float variance;                // variance of the mean times count^GAIN, relative; < 0: unknown
     uint32_t target;               // number of samples after the next pass
     float squares;                 // sum of the squares of the samples' luminances
-    float light_variance;          // sum of their variances by one light sample
-    uint32_t light_samples;        // light samples of the next sample
-    uint32_t light_samples_taken;  // light samples of all samples
+    struct adaptive_direct light;  // light samples
+    struct adaptive_direct lobe;   // BRDF samples of a glossy lobe
 };
 
 struct adaptive_sampling {
@@ -28,17 +34,21 @@ struct adaptive_sampling {
     struct parallel *pool;         // of the caller, which sets it; NULL: one thread
 };
 
-// False if there is no memory. `lights` is the number of light samples of the first samples.
-bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height,
-                          int light_samples);
+// False if there is no memory. `direct` is the number of samples of direct light of either kind in
+// the first samples.
+bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height, int direct);
 void render_adaptive_destroy(struct adaptive_sampling *adapt);  // a zeroed one is allowed
 
+static inline void render_adaptive_add_direct(struct adaptive_direct *direct, float variance) {
+    direct->variance += variance;
+    direct->taken += direct->next;
+}
 static inline void render_adaptive_add(struct adaptive_pixel *pixel, rgb value,
-                                       float light_variance) {
+                                       float light_variance, float lobe_variance) {
     pixel->sum = rgb_add(pixel->sum, value);
     pixel->squares += sqrf(rgb_luminance(value));
-    pixel->light_variance += light_variance;
-    pixel->light_samples_taken += pixel->light_samples;
+    render_adaptive_add_direct(&pixel->light, light_variance);
+    render_adaptive_add_direct(&pixel->lobe, lobe_variance);
     pixel->count++;
 }
 
@@ -58,8 +68,8 @@ void render_adaptive_distribute(struct adaptive_sampling *adapt, uint64_t sample
 // The relative squared error of the image, summed over channels, of one sample per pixel
 // distributed by render_adaptive_distribute. Of n samples it is this over n^1.5.
 double render_adaptive_variance(struct adaptive_sampling *adapt);
-// To be called after a pass: sets the number of light samples of each pixel's next samples. `cost`
-// is the cost of a sample without light samples, over that of one light sample.
+// To be called after a pass: sets the numbers of samples of direct light in each pixel's next
+// samples. `cost` is the cost of a sample without them, over that of one of them.
 void render_adaptive_lights(struct adaptive_sampling *adapt, float cost);
 // The mean number of light samples of a sample.
 double render_adaptive_light_samples(const struct adaptive_sampling *adapt);

@@ -108,9 +108,9 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
     shade_pixel_begin(&worker->shade);
     while (adapt->count < adapt->target) {
         struct shade_sample sample;
-        const struct gather_light_samples light_samples = {(int)adapt->light_samples,
-                                                           adapt->light_samples_taken};
-        shade_pixel(&pass->r->second_pass.shade, &worker->shade, x, y, adapt->count, light_samples,
+        const struct shade_direct_samples samples = {{(int)adapt->light.next, adapt->light.taken},
+                                                     {(int)adapt->lobe.next, adapt->lobe.taken}};
+        shade_pixel(&pass->r->second_pass.shade, &worker->shade, x, y, adapt->count, samples,
                     &sample);
         if (parallel_stopped(pool)) return false;  // it may be incomplete
         sample.weight = usable_weight(&image->pixel[at], sample.weight);
@@ -122,7 +122,8 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
         if (finite && image->uncached)
             image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);
         render_adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
-                            finite ? sample.light_variance : 0.0f);
+                            finite ? sample.light_variance : 0.0f,
+                            finite ? sample.lobe_variance : 0.0f);
         render_tile_yield(image, worker->tile, number);
         // A late pass takes thousands of samples of every pixel.
         if (++worker->samples % ASK_SAMPLES == 0 && parallel_cancelled(pool, number)) return false;

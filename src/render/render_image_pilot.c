@@ -43,13 +43,13 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
         shade_pixel_begin(&pilot->worker[worker]);
         while (pixel->count < pixel->target) {
             struct shade_sample s;
+            const struct gather_light_samples direct = {o->light_samples, pixel->light.taken};
             shade_pixel(&pilot->r->second_pass.shade, &pilot->worker[worker], x, y, pixel->count,
-                        (struct gather_light_samples){o->light_samples,
-                                                      (uint32_t)o->light_samples * pixel->count},
-                        &s);
+                        (struct shade_direct_samples){direct, direct}, &s);
             const bool finite = shade_sample_finite(&s);
             rgb light = finite ? rgb_sub(s.beauty, s.layer[SHADE_EMISSION]) : rgb_grey(0.0f);
-            render_adaptive_add(pixel, light, finite ? s.light_variance : 0.0f);
+            render_adaptive_add(pixel, light, finite ? s.light_variance : 0.0f,
+                                finite ? s.lobe_variance : 0.0f);
             if (finite) add_to_pixel(&pilot->pixel[i], &s);
         }
     }

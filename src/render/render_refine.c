@@ -76,11 +76,12 @@ static void sample_pilot(void *ctx, size_t begin, size_t end, int worker) {
         *out = (struct refine_sample){.entry = -1};
         struct shade_lookup lookup;
         struct shade_sample eye;
-        const struct gather_light_samples lights = {pilot->image->light_samples, 0};
+        const struct gather_light_samples direct = {pilot->image->light_samples, 0};
         if (!shade_look_up(&shade, x, y, (uint32_t)at, &lookup)) continue;
         shade_tile_begin(w);
         shade_pixel_begin(w);
-        shade_pixel(&shade, w, x, y, (uint32_t)at, lights, &eye);
+        shade_pixel(&shade, w, x, y, (uint32_t)at, (struct shade_direct_samples){direct, direct},
+                    &eye);
         *out = (struct refine_sample){fmaxf(rgb_luminance(eye.beauty), lookup.Y), lookup.Y,
                                       lookup.read.common, lookup.read.entry};
     }

@@ -91,8 +91,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
 }
 
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
-                 uint32_t index, struct gather_light_samples light_samples,
-                 struct shade_sample *out) {
+                 uint32_t index, struct shade_direct_samples samples, struct shade_sample *out) {
     const satin_options *o = shade->g->options;
     *out = (struct shade_sample){0};
     worker->counts.samples++;
@@ -110,8 +109,8 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
         // The i-th vertex has its own dimensions, independent of those used before.
         struct sampler own = {index, sampler.seed, 64u * (uint32_t)(i + 1)};
-        struct shade_lighting lighting = {shade,         &eye.vertex[i],         worker, own,
-                                          light_samples, rng_mix(pixel + index), pixel,  out};
+        struct shade_lighting lighting = {shade,   &eye.vertex[i],         worker, own,
+                                          samples, rng_mix(pixel + index), pixel,  out};
         if (o->integrator == SATIN_PHOTONS)
             add_photon_radiance(&lighting);
         else if (o->integrator == SATIN_TWO_PASS && !o->final_gather)

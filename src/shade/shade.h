@@ -39,6 +39,7 @@ struct shade_sample {
     struct cache_used used;   // records that were interpolated at the point
     float record;             // 1: a record is within a pixel; only with record_maps
     float light_variance;     // variance of the luminance of direct light by one light sample
+    float lobe_variance;      // the same by one BRDF sample of a glossy lobe
     uint32_t shape;           // index of the first surface's shape, counted from 1; 0: none
     uint32_t instance;        // of the instance that shows it, likewise
     float weight;             // weight of the sample in the film's filter
@@ -129,11 +130,15 @@ static inline void shade_tile_begin(struct shade_worker *worker) {
 static inline void shade_pixel_begin(struct shade_worker *worker) {
     worker->pixel_cache.count = worker->pixel_cache.next = 0;
 }
-// Computes sample number `index` of pixel (x, y) of the crop window, with `lights` light samples at
-// each of its points; `path` uses one at each.
+// Samples of direct light at each point of an eye path: light samples, and BRDF samples of a glossy
+// lobe that find lights.
+struct shade_direct_samples {
+    struct gather_light_samples light, lobe;
+};
+// Computes sample number `index` of pixel (x, y) of the crop window; `path` uses one light sample
+// at each point.
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
-                 uint32_t index, struct gather_light_samples light_samples,
-                 struct shade_sample *out);
+                 uint32_t index, struct shade_direct_samples samples, struct shade_sample *out);
 
 // The emitted light alone that is seen by eye ray number `index` of pixel (x, y), from a separate
 // sequence of rays. *weight as of a sample.

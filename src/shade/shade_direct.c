@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct light at a vertex: light samples and BRDF samples, weighted by the power heuristic [Veach
-// 1997, 9.2]. A glossy lobe takes as many BRDF samples as light samples, because those of the other
-// kind cannot replace them: where the floor of a room reflects its windows, a light sample is
-// rarely in the lobe, and a sample of the lobe often beside the window. The lobes are sampled one
+// 1997, 9.2]. A glossy lobe takes several BRDF samples, because light samples cannot replace them:
+// where the floor of a room reflects its windows, a light sample is rarely in the lobe, and a
+// sample of the lobe often beside the window. The lobes are sampled one
 // by one, because a faint coat would get few of the samples of all lobes together. A diffuse lobe
 // takes one: it only meets the light that light samples miss.
 #include "shade/shade_two_pass.h"
@@ -30,7 +30,7 @@ static rgb find_light(const struct shade_lighting *lighting, unsigned lobes, flo
 // of the luminance of one, 0 if there are less than two.
 static float add_brdf_samples(struct shade_lighting *lighting, unsigned lobes, int count, int all,
                               uint32_t first) {
-    const float ratio = (float)all / (float)lighting->light_samples.count;
+    const float ratio = (float)all / (float)lighting->samples.light.count;
     rgb sum = rgb_grey(0.0f);
     float squares = 0.0f;
     for (int i = 0; i < count; i++) {
@@ -48,8 +48,9 @@ static float add_brdf_samples(struct shade_lighting *lighting, unsigned lobes, i
 int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays) {
     const struct gather *g = lighting->shade->g;
     const struct shading_point *p = &lighting->vertex->point;
-    const struct gather_light_samples light_samples = lighting->light_samples;
-    const int lights = light_samples.count, of_glossy = g->rays_find_lights ? lights : 0;
+    const struct shade_direct_samples samples = lighting->samples;
+    const int lights = samples.light.count;
+    const int of_glossy = g->rays_find_lights ? samples.lobe.count : 0;
     const int of_sampled = of_glossy > rays ? of_glossy : rays;
     const unsigned diffuse = p->lobes & BRDF_DIFFUSE & ~sampled;
     const unsigned glossy = p->lobes & BRDF_SMOOTH & ~sampled & ~diffuse;
@@ -58,19 +59,21 @@ int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays) {
                                    {{diffuse, by_diffuse ? 1.0f / (float)lights : 0.0f},
                                     {glossy, (float)of_glossy / (float)lights},
                                     {sampled, (float)of_sampled / (float)lights}}};
-    float variance;
+    float by_light, by_lobe = 0.0f;
     shade_add_uncached(
         lighting, SHADE_DIRECT,
-        gather_sample_lights(g, p, mis, light_samples, lighting->sampler, &variance));
+        gather_sample_lights(g, p, mis, samples.light, lighting->sampler, &by_light));
     lighting->sampler.dimension += 2;
     if (by_diffuse) add_brdf_samples(lighting, diffuse, 1, 1, lighting->sampler.index);
     lighting->sampler.dimension += 2;
     if (glossy && of_glossy)
-        variance += add_brdf_samples(lighting, glossy, of_glossy, of_glossy, light_samples.first);
+        by_lobe += add_brdf_samples(lighting, glossy, of_glossy, of_glossy, samples.lobe.first);
     if (sampled && of_sampled > rays)
-        variance +=
-            add_brdf_samples(lighting, sampled, of_sampled - rays, of_sampled, light_samples.first);
+        by_lobe +=
+            add_brdf_samples(lighting, sampled, of_sampled - rays, of_sampled, samples.lobe.first);
     lighting->sampler.dimension += 2;
-    lighting->out->light_variance += sqrf(rgb_luminance(lighting->vertex->T)) * variance;
+    const float T2 = sqrf(rgb_luminance(lighting->vertex->T));
+    lighting->out->light_variance += T2 * by_light;
+    lighting->out->lobe_variance += T2 * by_lobe;
     return of_sampled;
 }

@@ -175,7 +175,7 @@ static rgb sample_lobes(struct shade_lighting *lighting, const struct lobe_sampl
         gather_rays(g, scratch, drawn.ray, (size_t)rays, by->stream);
     else
         gather_single_rays(g, scratch, by->clusters, drawn.ray, (size_t)rays, by->stream);
-    const float ratio = (float)by->finding / (float)lighting->light_samples.count;
+    const float ratio = (float)by->finding / (float)lighting->samples.light.count;
     rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
         const struct gather_ray *ray = &drawn.ray[i];

@@ -24,7 +24,7 @@ static void render_adaptive_sampling_take(struct adaptive_sampling *adapt, uint6
         while (p->count < p->target) {
             struct rng rng = rng_make(seed, RNG_TEST, (uint64_t)i << 32 | p->count);
             float e = render_adaptive_sampling_noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
-            render_adaptive_add(p, rgb_grey(1.0f + e), 0.0f);
+            render_adaptive_add(p, rgb_grey(1.0f + e), 0.0f, 0.0f);
         }
     }
     render_adaptive_compare(adapt);
@@ -106,7 +106,7 @@ static void make_quiet(struct adaptive_sampling *adapt, float difference) {
     for (uint32_t n = 1; n <= 2; n++) {
         render_adaptive_equal(adapt, 1, n);
         for (int i = 0; i < SIZE * SIZE; i++)
-            render_adaptive_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
+            render_adaptive_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f, 0.0f);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
         render_adaptive_compare(adapt);
     }
@@ -170,33 +170,39 @@ static void faint_noise_does_not_hide_strong_noise(void **state) {
 
 // Light samples where direct light is noisy, in the number that costs least: on the left the noise
 // is of lights alone, on the right of the rest as well, and none of lights in the last quarter,
-// where two show the variance of lights if there is any.
+// where two show the variance of lights if there is any. BRDF samples likewise, in the lower half.
 static void light_samples_go_where_lights_are_noisy(void **state) {
     (void)state;
-    enum { LIGHTS = 4, SAMPLES = 256 };
+    enum { LIGHTS = 4, SAMPLES = 4096 };
     struct adaptive_sampling adapt;
     assert_true(render_adaptive_make(&adapt, SIZE, SIZE, LIGHTS));
     for (int i = 0; i < SIZE * SIZE; i++) {
         struct rng rng = rng_make(3, RNG_TEST, (uint64_t)i);
         const int quarter = i % SIZE / (SIZE / 4);
         const float light = quarter == 3 ? 0.0f : 0.5f, rest = quarter == 0 ? 0.0f : 0.1f;
+        const float lobe = i / SIZE < SIZE / 2 ? 0.0f : light;
         for (int k = 0; k < SAMPLES; k++) {
             // Uniform over a width of a has the variance a^2 / 12.
-            const float e =
-                light / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) + rest * (rng_float(&rng) - 0.5f);
-            render_adaptive_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f);
+            const float e = light / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) +
+                            lobe / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) +
+                            rest * (rng_float(&rng) - 0.5f);
+            render_adaptive_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f,
+                                lobe * lobe / 12.0f);
         }
     }
     assert_true(render_adaptive_light_samples(&adapt) == LIGHTS);
     const float cost = 8.0f;
     render_adaptive_lights(&adapt, cost);
-    // m^2.5 = 8 * (.5 / .1)^2: 8.3, rounded down. The blur mixes quarters at their borders.
+    // m^2.5 = 3 * 8 * (.5 / .1)^2: 12.9, rounded down. The blur mixes quarters at their borders.
     for (int y = 0; y < SIZE; y++) {
         const struct adaptive_pixel *row = adapt.pixel + y * SIZE;
-        for (int x = 2; x < SIZE / 4 - 2; x++) assert_true(row[x].light_samples >= 10);
+        for (int x = 2; x < SIZE / 4 - 2; x++) assert_true(row[x].light.next >= 15);
         for (int x = SIZE / 4 + 2; x < 3 * SIZE / 4 - 2; x++)
-            assert_true(row[x].light_samples >= 6 && row[x].light_samples <= 11);
-        for (int x = 3 * SIZE / 4 + 2; x < SIZE; x++) assert_true(row[x].light_samples == 2);
+            assert_true(row[x].light.next >= 10 && row[x].light.next <= 15);
+        for (int x = 3 * SIZE / 4 + 2; x < SIZE; x++) assert_true(row[x].light.next == 2);
+        for (int x = 0; x < SIZE && y < SIZE / 2 - 2; x++) assert_true(row[x].lobe.next == 2);
+        for (int x = 0; x < SIZE && y >= SIZE / 2 + 2; x++)
+            assert_true(row[x].lobe.next == row[x].light.next);
     }
     render_adaptive_destroy(&adapt);
 }

@@ -78,7 +78,7 @@ static void uncovered_sites_limit_the_rays(void **state) {
     assert_true(before < 0.1f);
 }
 
-// Of 300 records in three seconds, 200 had a quarter of their rays: 150 times all rays in all.
+// Two of three seconds were spent on 200 records by a quarter of their rays: these count as 50.
 static void few_rays_foretell_a_longer_round(void **state) {
     (void)state;
     const satin_options o = options_of(SATIN_PRODUCTION);

@@ -54,9 +54,9 @@ static struct shade_direct_result shade_direct_pixel(const struct satin_scene *s
     struct shade_direct_result out = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
         struct shade_sample s;
-        const struct gather_light_samples samples = {lights, i * (uint32_t)lights};
+        const struct gather_light_samples direct = {lights, i * (uint32_t)lights};
         shade_pixel_begin(&worker);
-        shade_pixel(&shade, &worker, 0, 0, i, samples, &s);
+        shade_pixel(&shade, &worker, 0, 0, i, (struct shade_direct_samples){direct, direct}, &s);
         const double L = (double)rgb_luminance(s.layer[SHADE_DIRECT]);
         out.mean += L / SAMPLES;
         out.deviation += L * L / SAMPLES;

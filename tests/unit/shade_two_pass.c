@@ -108,7 +108,7 @@ static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_tw
     shade_pixel_begin(&worker);
     for (uint32_t i = 0; i < samples; i++) {
         struct shade_sample s;
-        shade_pixel(&shade, &worker, 0, 1, i, (struct gather_light_samples){1, i}, &s);
+        shade_pixel(&shade, &worker, 0, 1, i, (struct shade_direct_samples){{1, i}, {1, i}}, &s);
         assert_true(shade_sample_finite(&s));
         for (int k = 0; k < SHADE_EMISSION; k++) {
             const double L = (double)rgb_luminance(s.layer[k]);
@@ -190,7 +190,7 @@ static double shade_two_pass_path(const struct shade_two_pass_room *room, double
     double sum = 0.0, squares = 0.0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
         struct shade_sample s;
-        shade_pixel(&shade, &worker, 0, 1, i, (struct gather_light_samples){1, i}, &s);
+        shade_pixel(&shade, &worker, 0, 1, i, (struct shade_direct_samples){{1, i}, {1, i}}, &s);
         const double L = (double)rgb_luminance(s.uncached);
         sum += L / SAMPLES;
         squares += L * L / SAMPLES;
