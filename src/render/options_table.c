@@ -90,9 +90,10 @@ const struct option options_table[] = {
      "Whether emitters that are seen directly are black: 1 is yes, 0 is no, and -1 is as the scene "
      "has it, or no."},
     {"light-samples", OPTION_INT, AT(light_samples), true, "1..1024",
-     "Light samples at the first hit of an eye ray, for the first samples of each pixel. Later "
-     "samples take 2 to 16, the number with the least noise for its cost. If adaptive-sampling is "
-     "off, all samples take this number."},
+     "Light samples at the first hit of an eye ray, and BRDF samples of each glossy lobe that find "
+     "lights there, for the first samples of each pixel. Later samples take 2 to 16 of either, the "
+     "number with the least noise for its cost. If adaptive-sampling is off, all samples take this "
+     "number. A time limit of less than 32 microseconds of a core for each pixel makes it less."},
     {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..256",
      "Gather rays per pixel sample for glossy reflection that is not cached. With a time limit it "
      "is 2, or 1 if the image is denoised, unless the user sets another number."},
