@@ -36,12 +36,15 @@ static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
 static const double COVER_FRACTION = 0.3, COVER_LEAST = 0.1, COVER_MOST = 1.5;
 // For a denoised image, whose records are not planned by its noise.
 static const double COVER_UNMEASURED = 0.5;
-// The least time for a second round, in units of that which the records of the first one take by
-// all their rays. In living-room (640x360, 60 CPU seconds) it is .1 of that, and in a bathroom .12:
-// a round that is not finished took 4 seconds more, with 1.2 times the error without it. In hall
-// (200x200) it is .65 and .59 at 4 and 8 CPU seconds, with 1.3 and 1.5 times the error without the
-// round, in closed rooms from 1 second on .9 and more.
+// The least time for a whole second round, in units of that which the records of the first one take
+// by all their rays. In living-room (640x360, 60 CPU seconds) it is .1 of that, and in a bathroom
+// .12. In hall (200x200) it is .65 and .59 at 4 and 8 CPU seconds, with 1.3 and 1.5 times the error
+// without the round, in closed rooms from 1 second on .9 and more.
 static const double NEXT_ROUND = 0.3;
+// The fraction of the remaining time for a second round that cannot be finished: its coarse records
+// come first. Without them the ceiling of living-room has clouds, with .05 and .1 faint ones, with
+// .15 none.
+static const double COARSE_ROUND = 0.15;
 
 // The largest fraction of the time limit that is kept for denoising: the render of a large image
 // exceeds the limit rather than having no samples.
@@ -235,6 +238,10 @@ bool render_budget_traces_paths(const struct render *r, double samples) {
 int render_budget_pilot(const struct render *r, double samples) {
     const double fit = IMAGE_PILOT * image_seconds(r) * samples / RENDER_PILOT_SAMPLES;
     return (int)fmin(sqrt(fmax(fit, 0.0)), RENDER_PILOT_SIDE);
+}
+
+void render_limit_coarse_records(struct render *r) {
+    r->progress.deadline = render_elapsed(r) + COARSE_ROUND * image_seconds(r);
 }
 
 double render_budget_first_round(const struct render *r) {

@@ -216,8 +216,10 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         const double seconds = render_agreed(r, stats_wall() - start);
-        const double next = render_covering_by_all_rays(&rounds->covering, seconds);
-        if (!render_budget_next_round(r, next)) break;
+        if (!render_budget_next_round(r, render_covering_by_all_rays(&rounds->covering, seconds))) {
+            render_limit_coarse_records(r);
+            continue;
+        }
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
                                            fmax(seconds, 1e-9)};
         status = render_image_pilot(r, &pace);
