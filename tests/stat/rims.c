@@ -76,12 +76,15 @@ int main(int argc, char **argv) {
             count++;
         }
     }
-    // Two samples often miss the lamp in pixels beside those that see little of it.
+    // Two samples often miss the lamp in pixels beside those that see little of it. Pixels that see
+    // less than .0005 of it are left out: of those the reference knows too little, and has chosen
+    // them by its own error. With three seeds of the reference the ratio is .97 to 1.02; with them
+    // it is 1.02 to 1.05.
     double faint = 0.0, faint_reference = 0.0;
     for (int s = 0; s < SEEDS; s++) {
         if (!rims_render(scene, SIZE, "2", seed[s], image)) return 1;
         for (int i = 0; i < SIZE * SIZE; i++) {
-            if (!(reference[i] > 0.0f) || reference[i] > 0.02f * lamp) continue;
+            if (!(reference[i] > 0.0005f * lamp) || reference[i] > 0.02f * lamp) continue;
             faint += (double)image[i];
             faint_reference += (double)reference[i];
         }
