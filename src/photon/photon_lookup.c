@@ -6,7 +6,8 @@
 
 enum {
     IRRADIANCE_BATCH = PHOTON_VOXEL_LOOKUPS,  // lookups that are searched together
-    RETRY_K = 16,   // neighbours that are searched if the nearest one has another orientation
+    // Entries that are searched if the nearest one has another orientation or is behind a wall.
+    RETRIES = PHOTON_VOXEL_NEAR,
     RETRY_ENDS = 4  // number of those in caustics, where entries are mostly on other surfaces then
 };
 #define FACING 0.5f
@@ -62,22 +63,40 @@ static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
     return fade2 > 0.0f && d2 > PHOTON_ENDS * fade2;
 }
 
+// Finds a few entries near a point and their squared distances. Those of other orientations are
+// removed: -1.
+static void find_near(const struct photon_irradiance *r, vec3 p, vec3 n, int row[RETRIES],
+                      float distance2[RETRIES]) {
+    float query[6];
+    photon_entry_row_set(query, p, n, r->position.scale);
+    if (r->ends) {
+        for (int i = RETRY_ENDS; i < RETRIES; i++) row[i] = -1;
+        photon_index_nearest(r->index, query, 1, RETRY_ENDS, r->far2, row, distance2);
+    } else {
+        photon_voxel_find_near(r, p, n, row);
+    }
+    for (int i = 0; i < RETRIES; i++)
+        if (row[i] >= 0) __builtin_prefetch(r->position.row + 6 * (size_t)row[i]);
+    for (int i = 0; i < RETRIES; i++) {
+        if (row[i] < 0) continue;
+        const float *at = r->position.row + 6 * (size_t)row[i];
+        distance2[i] = 0.0f;
+        for (int k = 0; k < 6; k++) distance2[i] += sqrf(at[k] - query[k]);
+        if (!has_orientation(r, row[i], n)) row[i] = -1;
+    }
+}
+
 // The nearest of a few entries that has the orientation of n and is not behind a wall; -1 if there
 // is none. If `scene` is NULL, walls are ignored. Nearer ones are tested first, so that few rays
 // are traced.
 static int search_facing(const struct photon_irradiance *r, vec3 p, vec3 n,
                          const struct satin_scene *scene) {
-    float query[6];
-    photon_entry_row_set(query, p, n, r->position.scale);
-    int row[RETRY_K];
-    float distance2[RETRY_K];
-    const int k = r->ends ? RETRY_ENDS : RETRY_K;
-    photon_index_nearest(r->index, query, 1, k, r->far2, row, distance2);
-    for (int i = 0; i < k; i++)
-        if (row[i] >= 0 && !has_orientation(r, row[i], n)) row[i] = -1;
+    int row[RETRIES];
+    float distance2[RETRIES];
+    find_near(r, p, n, row, distance2);
     for (;;) {
         int best = -1;
-        for (int i = 0; i < k; i++)
+        for (int i = 0; i < RETRIES; i++)
             if (row[i] >= 0 && (best < 0 || distance2[i] < distance2[best])) best = i;
         if (best < 0) return -1;
         if (!scene || !photon_entry_position_hidden(&r->position, scene, (size_t)row[best], p, n))

@@ -86,17 +86,41 @@ static void entries_are_near(void **state) {
     assert_in_range(others, POINTS / 20, POINTS / 2);  // voxels are used, and are narrow
 }
 
+// Several entries near a point are those nearest to its voxel's centre, so they are no farther than
+// as many that are nearest to the point but for two half diagonals.
+static void several_entries_are_near(void **state) {
+    const struct voxel_case *c = *state;
+    const struct photon_irradiance *r = &c->maps->irradiance;
+    const float spacing = sqrtf(48.0f / 2.0f / (float)r->count);
+    for (int i = 0; i < POINTS; i++) {
+        int entry[PHOTON_VOXEL_NEAR], nearest[PHOTON_VOXEL_NEAR];
+        float query[6], distance2[PHOTON_VOXEL_NEAR], most = 0.0f;
+        photon_voxel_find_near(r, c->p[i], c->n[i], entry);
+        photon_entry_row_set(query, c->p[i], c->n[i], r->position.scale);
+        photon_index_nearest(r->index, query, 1, PHOTON_VOXEL_NEAR, INFINITY, nearest, distance2);
+        for (int k = 0; k < PHOTON_VOXEL_NEAR; k++) most = fmaxf(most, distance2[k]);
+        for (int k = 0; k < PHOTON_VOXEL_NEAR; k++) {
+            const vec3 at = photon_entry_position(&r->position, (size_t)entry[k]);
+            assert_true(sqrtf(v3_dist2(c->p[i], at)) <= sqrtf(most) + 1.5f * sqrtf(3.0f) * spacing);
+            for (int j = 0; j < k; j++) assert_int_not_equal(entry[j], entry[k]);
+        }
+    }
+}
+
 // What a lookup finds does not depend on those before it, nor on the thread.
 struct lookups {
     struct voxel_case *c;
-    int entry[POINTS];
+    int entry[POINTS], near[POINTS][PHOTON_VOXEL_NEAR];
 };
 
 static void look_up_range(void *ctx, size_t begin, size_t end, int worker) {
     struct lookups *l = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++)
-        photon_voxel_find(&l->c->maps->irradiance, l->c->p + i, l->c->n + i, 1, l->entry + i);
+    const struct photon_irradiance *r = &l->c->maps->irradiance;
+    for (size_t i = begin; i < end; i++) {
+        photon_voxel_find(r, l->c->p + i, l->c->n + i, 1, l->entry + i);
+        photon_voxel_find_near(r, l->c->p[i], l->c->n[i], l->near[i]);
+    }
 }
 
 static void order_does_not_matter(void **state) {
@@ -110,11 +134,12 @@ static void order_does_not_matter(void **state) {
     c->maps = build_box_maps(c);
     assert_true(parallel_for(c->pool, POINTS, 16, look_up_range, &parallel));
     assert_memory_equal(forwards.entry, parallel.entry, sizeof forwards.entry);
+    assert_memory_equal(forwards.near, parallel.near, sizeof forwards.near);
     photon_maps_free(c->maps);
     c->maps = first;
 }
 
-// Points outside the regions are searched, and points that are not finite find nothing.
+// Points far outside are searched, and points that are not finite find nothing.
 static void strange_points(void **state) {
     const struct voxel_case *c = *state;
     const vec3 p[] = {v3(0, 0, 1e6f), v3(-1e30f, 0, 0), v3(NAN, 0, 0), v3(0, INFINITY, 0)};
@@ -124,11 +149,15 @@ static void strange_points(void **state) {
     assert_int_equal(entry[0], nearest_entry(&c->maps->irradiance, p[0], n[0]));
     assert_int_equal(entry[2], -1);
     assert_int_equal(entry[3], -1);
+    int near[PHOTON_VOXEL_NEAR];
+    photon_voxel_find_near(&c->maps->irradiance, p[2], n[2], near);
+    assert_int_equal(near[0], -1);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(entries_are_near),
+        cmocka_unit_test(several_entries_are_near),
         cmocka_unit_test(order_does_not_matter),
         cmocka_unit_test(strange_points),
     };
