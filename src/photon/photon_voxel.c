@@ -8,7 +8,7 @@
 // around them, rounded down to a power of two. Spacings vary by orders of magnitude between what
 // lamps light and the rest, so widths are chosen by regions of a coarse grid. Regions without
 // entries and points beside the grid have the widths of the nearest regions: otherwise there are
-// two and a half times as many searches in living-room and ten times in veach-ajar.
+// three times as many searches in living-room and ten times in veach-ajar.
 //
 // Where the entry of a voxel faces away from a point or is hidden from it, several entries are
 // tested, which are remembered too, as a search for them takes as long as five rays.
@@ -36,8 +36,8 @@ enum {
 static const float VOXEL_WIDTH = 1.0f;
 
 // Regions hold this many entries of a surface in the mean. Too large ones mix spacings: with one
-// region for all there are 3 times as many searches in living-room and veach-ajar, in other scenes
-// .9 to 1.3 times. With 4 and 64 there are .97 to 1.2 times as many.
+// region for all there are 3.2 times as many searches in living-room and 2.3 in veach-ajar, in
+// other scenes .8 to 1.3 times; with 4 and 64 entries .9 to 1.2 times.
 static const float REGION_ENTRIES = 16.0f;
 
 // The cube of voxels is this many times as wide as the box of the entries. In veach-ajar a quarter
