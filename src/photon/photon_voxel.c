@@ -27,7 +27,7 @@
 enum {
     SCALES = PHOTON_VOXEL_SCALES,
     SLOTS = 8,  // per entry: with 4 up to 2.1 times the searches, with 16 .5 to 1 times
-    NEAR_SLOTS_MOST = 1 << 18,  // slots of several entries: they take at most 16 MB
+    NEAR_SLOTS_MOST = 1 << 17,  // slots of several entries: they take at most 8 MB
     REGIONS_MOST = 128,         // along an axis
     SLOTS_CHUNK = 1 << 14       // slots that a thread clears at a time
 };
