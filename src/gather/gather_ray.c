@@ -136,6 +136,7 @@ static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32
     ray->light_pdf = segment->light_pdf;
     ray->Le_specular = segment->Le_specular;
     ray->L = rgb_grey(0.0f);
+    found = found && gather_within_depth(g, depth, 1);
     if (first_pass == SATIN_FIRST_PATH) {
         struct sampler again = {ray->item, seed, 0};
         ray->L = gather_path(g, ray->ray, &again, &ray->first);

@@ -140,11 +140,43 @@ static void narrow_lobes_do_not_show_single_lookups(void **state) {
     test_scene_free(&t);
 }
 
+// A ray is reflected down to a floor with a lamp above it: eye, mirror, floor and lamp make a path
+// of four segments.
+static void paths_are_no_longer_than_the_limit(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(9, 9, 1)),
+                   test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+    test_rectangle(&t, test_transform(v3(0, 0, 2), v3(9, 9, 1)),
+                   test_material(&t, "conductor", rgb_grey(0.0f), rgb_grey(1.0f)));
+    test_light(
+        &t, (struct light){.kind = LIGHT_POINT, .position = v3(1, 0, 1), .value = rgb_grey(1.0f)});
+    test_scene_finish(&t);
+    const struct photon_maps maps = {.area = true};
+    struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
+    assert_non_null(scratch);
+    const satin_first_pass passes[] = {SATIN_FIRST_NONE, SATIN_FIRST_PHOTONS, SATIN_FIRST_PATH};
+    for (int i = 0; i < 3; i++)
+        for (int depth = 3; depth <= 4; depth++) {
+            satin_options options = satin_options_default;
+            options.first_pass = passes[i];
+            options.max_depth = depth;
+            const struct gather g = gather_make(&t.scene, &options, &maps);
+            struct gather_ray ray = {.ray = {v3(0, 0, 1), 0.0f, v3(0, 0, 1), INFINITY}};
+            gather_rays(&g, scratch, &ray, 1, 0);
+            assert_true(rgb_black(ray.L) == (depth == 3));
+        }
+    gather_scratch_free(scratch);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_is_weighted_at_the_start_of_a_ray),
         cmocka_unit_test(no_estimate_remains_from_an_earlier_call),
         cmocka_unit_test(narrow_lobes_do_not_show_single_lookups),
+        cmocka_unit_test(paths_are_no_longer_than_the_limit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
