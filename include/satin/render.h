@@ -78,6 +78,8 @@ typedef struct satin_callbacks {
     void *snapshot_user;
     bool
         snapshot_beauty;  // snapshots have the channels R, G and B, and A if the film has it, alone
+    // The caller will write the film with full floats: a time limit leaves twice the time for that.
+    bool full_float;
     // File from which an interrupted render goes on, and that is written while it goes on; NULL:
     // none. With `resume` a file that exists is read: it must have been made by the same version of
     // satin for the same scene and options, but for the number of threads, and the image is then

@@ -230,6 +230,7 @@ static satin_status run_shown(const struct app_render_request *r, const satin_sc
                                        .checkpoint_seconds = r->checkpoint_seconds,
                                        .snapshot = first && asked ? show_snapshot : NULL,
                                        .snapshot_user = shown,
+                                       .full_float = r->format.full_float,
                                        .snapshot_beauty = !r->display.wanted};
     if (first) app_display_open(&shown->display, r->output, shown->progress);
     if (options->memory > 0 && options->integrator == SATIN_SPPM)

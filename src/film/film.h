@@ -70,9 +70,10 @@ float film_half(float value);
 // How hard zlib tries to compress the chunks of a file: fixed, as defaults differ. With noisy
 // floats the sizes of 1 to 9 differ by 1.5 %.
 enum { FILM_ZIP_EFFORT = 4 };
-// The time [s] in which one core compresses a pixel of a film of so many channels, measured now, in
-// 1 to 2 ms (film_exr_speed.c). 0 if there is no memory.
-double film_exr_pixel_seconds(int channels);
+// The time [s] in which one core compresses a pixel of a film of so many channels, of which most
+// have half floats or all have full floats, measured now, in 1 to 2 ms (film_exr_speed.c). 0 if
+// there is no memory.
+double film_exr_pixel_seconds(int channels, bool full_float);
 // Does so with full floats and ZIP compression.
 satin_status film_write_exr(const struct satin_film *film, const char *path, struct parallel *pool,
                             struct log log);

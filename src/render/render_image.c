@@ -184,11 +184,6 @@ static void end_pass(struct render *r) {
     plan_samples(r);
 }
 
-// Integrator `path` is for comparison, and takes nothing but its samples.
-static bool has_rims(const struct render *r) {
-    return r->progress.replaced || !gather_traces_paths(&r->options);
-}
-
 static satin_status take_rims(struct render *r) {
     const struct render_image *image = r->image;
     const satin_options *o = &r->options;
@@ -196,7 +191,7 @@ static satin_status take_rims(struct render *r) {
         (uint64_t)render_budget_equal_samples(o) * (uint64_t)image->width * (uint64_t)image->height;
     bool whole = true;
     satin_status status = SATIN_OK;
-    if (image->taken >= equal && has_rims(r)) status = render_rims(r, false, &whole);
+    if (image->taken >= equal && render_has_rims(r)) status = render_rims(r, false, &whole);
     return status == SATIN_OK && !whole ? SATIN_CANCELLED : status;
 }
 
@@ -228,7 +223,7 @@ static satin_status take_passes(struct image_pass *pass, bool restored) {
 // .7 CPU seconds relMSE of cornell-metal is .024 instead of .081 (four seeds, 200x200).
 static satin_status take_late_rims(struct render *r) {
     if (!(r->options.time > 0.0) || r->image->rim_rays > 0 || render_cancelled(r) ||
-        render_checkpoint_due(r) || !has_rims(r))
+        render_checkpoint_due(r) || !render_has_rims(r))
         return SATIN_OK;
     bool whole;
     const double limit = render_limit_lift(r);

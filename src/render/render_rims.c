@@ -128,6 +128,10 @@ static bool unpack_rims(void *ctx, size_t begin, size_t end, struct bytes_reader
 static const struct parallel_results rims_results = {
     .pack = pack_rims, .unpack = unpack_rims, .if_cancelled = true};
 
+bool render_has_rims(const struct render *r) {
+    return r->progress.replaced || !gather_traces_paths(&r->options);
+}
+
 satin_status render_rims(struct render *r, bool late, bool *whole) {
     struct rims rims = {.r = r};
     struct render_image *image = r->image;
