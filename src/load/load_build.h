@@ -122,6 +122,11 @@ satin_status load_hair(const struct load_source *source, const struct hair_reque
 // One that does not fit into the limit is not read but replaced by a small one.
 satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
                         struct image **out);
+// Likewise, but reads a single channel: 0 to 2 of the colours, of which a grey image has one, or
+// LOAD_IMAGE_ALPHA, which is never converted. SATIN_ERROR_INPUT if the file has no alpha.
+enum { LOAD_IMAGE_ALPHA = 3 };
+satin_status load_image_channel(const struct load_source *source, struct load_images *images,
+                                bool raw, int channel, struct image **out);
 // Reads an image of heights as load_image does. All values must be finite, but may be negative, and
 // the size is that of the file. The texels are an array alone in the arena. *module is set to true
 // if OpenImageIO read it.

@@ -98,7 +98,21 @@ static satin_status check_size(const struct load_source *source, const struct op
 struct texel_kind {
     bool raw;      // plain numbers, which are not decoded from sRGB
     bool heights;  // numbers of any sign; else light or reflectances
+    bool single;   // `channel` alone, see load_image_channel
+    int channel;
 };
+
+// Keeps one channel of what was read. False if there is no alpha.
+static bool keep_channel(struct opened_image *opened, int channel, float *texel) {
+    const int colors = opened->channels < 3 ? 1 : 3;
+    const bool alpha = channel == LOAD_IMAGE_ALPHA;
+    if (alpha && opened->channels == colors) return false;
+    const size_t from = alpha ? (size_t)colors : colors == 1 ? 0 : (size_t)channel;
+    const size_t count = (size_t)opened->width * (size_t)opened->height;
+    for (size_t i = 0; i < count; i++) texel[i] = texel[i * (size_t)opened->channels + from];
+    opened->channels = 1;
+    return true;
+}
 
 static satin_status read_texels(const struct load_source *source, const struct image_reader *reader,
                                 struct opened_image *opened, struct texel_kind kind,
@@ -113,7 +127,11 @@ static satin_status read_texels(const struct load_source *source, const struct i
     char error[512] = "";
     const enum reader_result result = reader->read(opened, texel, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
-    const bool decode = !kind.raw && opened->srgb;
+    if (kind.single && !keep_channel(opened, kind.channel, texel))
+        return image_error(source, "it has no alpha channel", false);
+    const bool alpha = kind.single && kind.channel == LOAD_IMAGE_ALPHA;
+    const bool decode = !kind.raw && !alpha && opened->srgb;
+    count = pixels * (size_t)opened->channels;
     *image = scene_image_make(opened->width, opened->height, opened->channels, texel);
     *out = image;
     if (kind.heights) return finish_heights(source, image, texel, decode);
@@ -151,7 +169,7 @@ static satin_status read_image(const struct load_source *source, struct load_ima
                           source->path);
     if (status == SATIN_OK)
         status = admitted ? read_texels(source, reader, &opened, kind, out)
-                          : leave_out(source, opened.channels, out);
+                          : leave_out(source, kind.single ? 1 : opened.channels, out);
     reader->close(&opened);
     return status;
 }
@@ -162,7 +180,7 @@ static satin_status load_any_image(const struct load_source *source, struct load
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    struct image_data file = {source->path, data, size};
+    struct image_data file = {source->path, data, size, kind.single};
     if (load_image_is_png(&file)) {
         status = read_image(source, images, &load_image_png, &file, kind, out);
         free(data);
@@ -179,6 +197,12 @@ static satin_status load_any_image(const struct load_source *source, struct load
 satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
                         struct image **out) {
     const struct texel_kind kind = {.raw = raw};
+    return load_any_image(source, images, kind, &images->module, out);
+}
+
+satin_status load_image_channel(const struct load_source *source, struct load_images *images,
+                                bool raw, int channel, struct image **out) {
+    const struct texel_kind kind = {.raw = raw, .single = true, .channel = channel};
     return load_any_image(source, images, kind, &images->module, out);
 }
 

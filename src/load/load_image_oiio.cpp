@@ -57,6 +57,7 @@ reader_result open(const struct image_data *file, struct opened_image *out, char
         out->width = spec.width;
         out->height = spec.height;
         out->channels = spec.nchannels < 3 ? 1 : 3;
+        if (file->alpha && spec.alpha_channel == out->channels) out->channels++;
         out->srgb = is_srgb(spec);
         out->input = input.release();
         return READER_DONE;

@@ -80,7 +80,7 @@ static bool is_encoded(const struct png_input *input) {
 }
 
 // Reads the header. False if libpng reports an error.
-static bool read_png_header(struct png_input *input) {
+static bool read_png_header(struct png_input *input, bool alpha) {
     if (setjmp(input->failed)) return false;
     png_structp png = input->png;
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
@@ -88,7 +88,8 @@ static bool read_png_header(struct png_input *input) {
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "gAMA\0sRGB",
                                 2);
-    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, (png_const_bytep) "tRNS", 1);
+    if (!alpha)
+        png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, (png_const_bytep) "tRNS", 1);
     png_set_read_fn(png, input, on_read);
     png_read_info(png, input->info);
     const unsigned color = png_get_color_type(png, input->info);
@@ -97,7 +98,12 @@ static bool read_png_header(struct png_input *input) {
     input->channels = color & PNG_COLOR_MASK_COLOR ? 3 : 1;
     input->bits = png_get_bit_depth(png, input->info) == 16 ? 16 : 8;
     png_set_expand(png);  // palettes to colours, less than 8 bits to 8
-    png_set_strip_alpha(png);
+    const bool has_alpha =
+        color & PNG_COLOR_MASK_ALPHA || png_get_valid(png, input->info, PNG_INFO_tRNS);
+    if (alpha && has_alpha)
+        input->channels++;
+    else
+        png_set_strip_alpha(png);
     return true;
 }
 
@@ -115,7 +121,7 @@ static enum reader_result open_png(const struct image_data *file, struct opened_
     }
     input->at = (const unsigned char *)file->data;
     input->end = input->at + file->size;
-    if (!read_png_header(input)) {
+    if (!read_png_header(input, file->alpha)) {
         const enum reader_result result = report(input, error, size);
         free_input(input);
         return result;

@@ -18,12 +18,13 @@ struct image_data {
     const char *path;
     const char *data;
     size_t size;  // of data [bytes]
+    int alpha;    // whether alpha is read, if there is any
 };
 
 struct opened_image {
     void *input;  // of the reader
     int width, height;
-    int channels;  // 1 or 3; alpha and further channels are not read
+    int channels;  // 1 or 3, and one more with alpha; further channels are not read
     int srgb;      // whether values are encoded by the transfer function of sRGB, or probably are
 };
 

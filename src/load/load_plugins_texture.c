@@ -10,6 +10,7 @@
 
 static const char *const filters[] = {"bilinear", "nearest", NULL};
 static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
+static const char *const bitmap_channels[] = {"r", "g", "b", "a", "x", "y", "z", NULL};
 static const char *const formats[] = {"auto", "variant", "fp16", NULL};
 
 static const struct param_spec bitmap_file = {"filename", PARAM_STRING,     NULL, 0, PARAM_REQUIRED,
@@ -40,6 +41,14 @@ static const struct param_spec wrap_mode_v = {
     0,
     wraps,
     "As `wrap_mode`, for v alone; it overrides `wrap_mode`."};
+static const struct param_spec single_channel = {
+    "channel",
+    PARAM_CHOICE,
+    NULL,
+    0,
+    0,
+    bitmap_channels,
+    "The only channel that is used, such as alpha for an opacity; x, y and z are r, g and b."};
 static const struct param_spec raw = {
     "raw",
     PARAM_BOOLEAN,
@@ -113,8 +122,8 @@ static const struct param_spec factor = {
     "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the values."};
 
 static const struct param_spec *const bitmap_params[] = {
-    &bitmap_file, &filter_type, &wrap_mode, &wrap_mode_u,  &wrap_mode_v,
-    &raw,         &to_uv,       &format,    &bitmap_accel, NULL};
+    &bitmap_file,    &filter_type, &wrap_mode, &wrap_mode_u,  &wrap_mode_v, &raw,
+    &single_channel, &to_uv,       &format,    &bitmap_accel, NULL};
 static const struct param_spec *const checkerboard_params[] = {&color0, &color1, &to_uv, NULL};
 static const struct param_spec *const grid_params[] = {&grid_color0, &grid_color1, &line_width,
                                                        &to_uv, NULL};
@@ -138,24 +147,33 @@ static rgb image_mean(const struct image *image) {
     return rgb_make((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
 }
 
-static satin_status image_of(struct load_state *loader, const struct param_value *name, bool as_is,
+static satin_status image_of(struct load_state *loader, const struct params *p,
                              const struct image_file **out) {
+    const bool as_is = load_param(p, "raw")->b;
+    const struct param_value *only = load_param(p, "channel"), *name = load_param(p, "filename");
+    const int alpha = LOAD_IMAGE_ALPHA;
+    const int channel = !only->given ? -1 : only->i > alpha ? only->i - alpha - 1 : only->i;
     struct load_source source;
     satin_status status = load_file_source(loader, name, &source);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < loader->image_count; i++) {
         const struct image_file *image = &loader->image[i];
-        if (image->raw != as_is || strcmp(image->path, source.path) != 0) continue;
+        if (image->raw != as_is || image->channel != channel ||
+            strcmp(image->path, source.path) != 0)
+            continue;
         *out = image;
         free((char *)source.path);
         return SATIN_OK;
     }
-    struct image_file image = {.path = load_keep_text(loader, source.path), .raw = as_is};
+    struct image_file image = {
+        .path = load_keep_text(loader, source.path), .raw = as_is, .channel = channel};
     void *items = loader->image;
     if (image.path && array_reserve(&items, &loader->image_capacity, loader->image_count + 1,
                                     sizeof *loader->image)) {
         loader->image = items;
-        status = load_image(&source, &loader->images, as_is, &image.image);
+        status = channel < 0
+                     ? load_image(&source, &loader->images, as_is, &image.image)
+                     : load_image_channel(&source, &loader->images, as_is, channel, &image.image);
         // Numbers and normals are not averaged.
         if (status == SATIN_OK &&
             ((!as_is &&
@@ -181,8 +199,7 @@ static satin_status build_bitmap(struct load_state *loader, const struct params 
     texture->wrap_v = (enum texture_wrap)(v->given ? v : load_param(p, "wrap_mode"))->i;
     set_to_uv(texture, &load_param(p, "to_uv")->m);
     const struct image_file *loaded;
-    satin_status status =
-        image_of(loader, load_param(p, "filename"), load_param(p, "raw")->b, &loaded);
+    satin_status status = image_of(loader, p, &loaded);
     if (status != SATIN_OK) return status;
     texture->image = loaded->image;
     const float *m = texture->to_uv;

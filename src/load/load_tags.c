@@ -46,7 +46,8 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
 };
 
 // Elements that Mitsuba has and satin does not read.
-static const char *const unread_tags[] = {"medium", "phase", "volume", "field", "subsurface", NULL};
+static const char *const unread_tags[] = {"medium",     "phase",     "volume", "field",
+                                          "subsurface", "animation", NULL};
 
 const char *load_xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 

@@ -48,7 +48,7 @@ static inline struct image scene_image_make(int width, int height, int channels,
 struct image_file {
     const char *path;
     struct image *image, *level;  // level: copies of half the size, a quarter, ...; NULL if raw
-    int levels;
+    int levels, channel;          // channel: the only one that was read, or -1
     bool raw;
 };
 

@@ -33,11 +33,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct load_source source = {{fuzz_count, &lines}, {"fuzz.xml", 1, 1}, &arena, path, NULL};
     struct load_images images = {.arena = &arena};
     struct image *image = NULL;
-    satin_status status = load_image(&source, &images, size & 1, &image);
+    const bool raw = size & 1;
+    satin_status status = size & 2
+                              ? load_image_channel(&source, &images, raw, LOAD_IMAGE_ALPHA, &image)
+                              : load_image(&source, &images, raw, &image);
     if (lines != (status != SATIN_OK) || (status == SATIN_OK) != (image != NULL)) abort();
     if (image) {
         check_texels(image);
-        check_coarser(&images, image, size & 1);
+        check_coarser(&images, image, raw);
     }
     arena_free(&arena);
     close(file);

@@ -29,6 +29,48 @@ static void write_png(const char *path, png_uint_32 format, const void *pixel) {
     assert_true(png_image_write_to_file(&png, path, 0, pixel, 0, NULL));
 }
 
+// Colours of one channel, and alpha, which a transparent colour of a PNG is too.
+static void one_channel_is_read(void **state) {
+    (void)state;
+    static const unsigned char pixel[24] = {0,   10, 20, 255, 60, 128, 200, 0, 255, 254, 253, 9,
+                                            100, 90, 80, 128, 70, 60,  50,  1, 40,  30,  20,  0};
+    static const unsigned char grey[12] = {0, 255, 50, 7, 100, 0, 150, 1, 200, 2, 255, 3};
+    write_png("rgba.png", PNG_FORMAT_RGBA, pixel);
+    write_png("ga.png", PNG_FORMAT_GA, grey);
+    write_png("opaque.png", PNG_FORMAT_RGB, pixel);
+    for (int channel = 0; channel <= LOAD_IMAGE_ALPHA; channel++) {
+        const bool alpha = channel == LOAD_IMAGE_ALPHA;
+        for (int k = 0; k < 2; k++) {
+            struct image_case c = {.hash = 1};
+            struct load_source source = {scene_case_begin(&c.log),
+                                         {"scene.xml", 3, 7},
+                                         &c.arena,
+                                         k ? "ga.png" : "rgba.png",
+                                         &c.hash};
+            struct load_images images = {.arena = &c.arena};
+            struct image *image;
+            assert_int_equal(load_image_channel(&source, &images, false, channel, &image),
+                             SATIN_OK);
+            assert_true(image->width == 3 && image->height == 2 && image->channels == 1);
+            for (int i = 0; i < 6; i++) {
+                const double x = (k ? grey[2 * i + alpha] : pixel[4 * i + channel]) / 255.0;
+                assert_float_equal(image->texel[i], alpha ? (float)x : decoded(x), 1e-6f);
+            }
+            arena_free(&c.arena);
+        }
+    }
+    struct image_case c = {.hash = 1};
+    struct load_source source = {
+        scene_case_begin(&c.log), {"scene.xml", 3, 7}, &c.arena, "opaque.png", &c.hash};
+    struct load_images images = {.arena = &c.arena};
+    struct image *image;
+    assert_int_equal(load_image_channel(&source, &images, false, LOAD_IMAGE_ALPHA, &image),
+                     SATIN_ERROR_INPUT);
+    assert_string_equal(c.log.error,
+                        "scene.xml:3:7: cannot read image 'opaque.png': it has no alpha channel");
+    arena_free(&c.arena);
+}
+
 static void bytes_become_linear(void **state) {
     (void)state;
     // Transparent pixels keep their colour; alpha is dropped.
@@ -251,6 +293,7 @@ static void large_images_are_missing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_channel_is_read),
         cmocka_unit_test(bytes_become_linear),
         cmocka_unit_test(floats_must_be_possible_for_light),
         cmocka_unit_test(wrong_image_files_are_refused),

@@ -154,7 +154,7 @@ static void the_encoding_is_that_of_the_file(void **state) {
         load_image_png_put_chunk(&png, chunks[i].name, chunks[i].data, chunks[i].size);
         load_image_png_put_pixels(&png, row, sizeof row);
         end_png(&png);
-        const struct image_data file = {"a.png", (char *)png.byte, png.size};
+        const struct image_data file = {"a.png", (char *)png.byte, png.size, 0};
         assert_true(load_image_is_png(&file));
         assert_int_equal(load_image_png.open(&file, &opened, error, sizeof error), READER_DONE);
         assert_int_equal(opened.srgb, chunks[i].srgb);
@@ -254,7 +254,7 @@ static void chunks_without_effect_are_skipped(void **state) {
     load_image_png_put_pixels(&tail, row, sizeof row);
     end_png(&tail);
     memcpy(to, tail.byte, tail.size);
-    const struct image_data data = {"a.png", (char *)all, (size_t)(to - all) + tail.size};
+    const struct image_data data = {"a.png", (char *)all, (size_t)(to - all) + tail.size, 0};
     struct opened_image opened;
     char error[128] = "";
     float texel;
