@@ -180,7 +180,8 @@ static satin_status load_any_image(const struct load_source *source, struct load
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    struct image_data file = {source->path, data, size, kind.single};
+    const bool alpha = kind.single && kind.channel == LOAD_IMAGE_ALPHA;
+    struct image_data file = {source->path, data, size, alpha};
     if (load_image_is_png(&file)) {
         status = read_image(source, images, &load_image_png, &file, kind, out);
         free(data);

@@ -190,8 +190,8 @@ bool render_image_unpack(struct render_image *image, const struct bytes *in);
 // the samples that are distributed equally; `late`: after a time limit. *whole is false if it was
 // stopped early.
 satin_status render_rims(struct render *r, bool late, bool *whole);
-// Whether the render has that. Integrator `path` is for comparison, and takes nothing but its
-// samples.
+// Whether the render takes such rays. Integrator `path` is for comparison, and takes nothing but
+// its samples.
 bool render_has_rims(const struct render *r);
 
 // Checks that the image has each layer of option layers; else logs one line
