@@ -131,10 +131,15 @@ struct gather_first {
 
 // ---- Direct light at entries (gather_direct.c) --------------------------------------------------
 
-// Takes that many samples of the lights at each entry of g->maps, on all threads of the pool. On
-// failure, SATIN_ERROR_MEMORY or SATIN_CANCELLED, *out is unchanged.
-satin_status gather_direct_build(const struct gather *g, int samples, struct parallel *pool,
-                                 struct gather_direct *out);
+// How many samples of the lights an entry takes: where it is known which part of the environment is
+// visible, and elsewhere.
+struct gather_entry_samples {
+    int sky, others;
+};
+// Samples the lights at each entry of g->maps, on all threads of the pool. On failure,
+// SATIN_ERROR_MEMORY or SATIN_CANCELLED, *out is unchanged.
+satin_status gather_direct_build(const struct gather *g, struct gather_entry_samples samples,
+                                 struct parallel *pool, struct gather_direct *out);
 size_t gather_direct_bytes(const struct gather_direct *direct);
 void gather_direct_free(struct gather_direct *direct);  // a zeroed one is allowed
 

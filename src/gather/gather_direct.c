@@ -26,7 +26,7 @@ struct direct_loop {
     const struct gather *g;
     struct gather_direct *direct;
     float *noise2;  // variance of the luminance of an entry's E
-    int samples;    // of the lights at each entry
+    struct gather_entry_samples samples;
 };
 
 // A white diffuse surface at an entry.
@@ -40,6 +40,11 @@ static struct shading_point white_point(const struct brdf_model *diffuse, vec3 p
     return point;
 }
 
+static int count_samples(const struct direct_loop *loop, vec3 p) {
+    const struct light_visibility visibility = guide_visibility_at(loop->g->visibility, p);
+    return visibility.histogram ? loop->samples.sky : loop->samples.others;
+}
+
 static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
     const struct direct_loop *loop = ctx;
     const struct gather *g = loop->g;
@@ -51,13 +56,13 @@ static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
         photon_irradiance_position(g->maps, i, &p, &n);
         const struct shading_point point = white_point(diffuse, p, n);
         const struct gather_mis alone = {2, {{BRDF_DIFFUSE, 0.0f}}};
-        const struct gather_light_samples light_samples = {loop->samples,
-                                                           (uint32_t)i * (uint32_t)loop->samples};
+        const int count = count_samples(loop, p);
+        const struct gather_light_samples light_samples = {count, (uint32_t)i * (uint32_t)count};
         const struct sampler sampler = {0, seed, 0};
         float variance;
         const rgb L = gather_sample_lights(g, &point, alone, light_samples, sampler, &variance);
         loop->direct->E[i] = rgb_scale(L, PI_F);
-        loop->noise2[i] = sqrf(PI_F) * variance / (float)loop->samples;
+        loop->noise2[i] = sqrf(PI_F) * variance / (float)count;
     }
 }
 
@@ -100,8 +105,8 @@ static void compare_entries(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) loop->direct->similar[i] = entries_agree(loop, i);
 }
 
-satin_status gather_direct_build(const struct gather *g, int samples, struct parallel *pool,
-                                 struct gather_direct *out) {
+satin_status gather_direct_build(const struct gather *g, struct gather_entry_samples samples,
+                                 struct parallel *pool, struct gather_direct *out) {
     struct gather_direct direct = {.count = photon_irradiance_count(g->maps)};
     direct.E = array_new(direct.count, sizeof *direct.E);
     direct.similar = array_new(direct.count, sizeof *direct.similar);

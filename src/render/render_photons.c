@@ -252,8 +252,10 @@ satin_status render_direct(struct render *r) {
     if (!photon_precomputes_direct(&r->options) || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");
-    satin_status status = gather_direct_build(&r->second_pass.gather, RENDER_ENTRY_SAMPLES, r->pool,
-                                              &r->first_pass.direct);
+    const struct gather_entry_samples samples = {.sky = RENDER_ENTRY_SKY_SAMPLES,
+                                                 .others = RENDER_ENTRY_SAMPLES};
+    satin_status status =
+        gather_direct_build(&r->second_pass.gather, samples, r->pool, &r->first_pass.direct);
     if (status != SATIN_OK) return status;
     r->second_pass.gather.direct = &r->first_pass.direct;
     stats_set(&r->stats, "photons.direct_s", stats_wall() - start);

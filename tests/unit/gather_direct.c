@@ -37,7 +37,9 @@ static void lit_cube_with(struct lit_cube *cube, struct light light, int64_t pho
     struct stats stats = {0};
     assert_int_equal(photon_case_build(&cube->t.scene, &o, pool, &stats, &cube->maps), SATIN_OK);
     const struct gather g = gather_make(&cube->t.scene, &o, cube->maps);
-    assert_int_equal(gather_direct_build(&g, 8, pool, &cube->direct), SATIN_OK);
+    assert_int_equal(
+        gather_direct_build(&g, (struct gather_entry_samples){64, 8}, pool, &cube->direct),
+        SATIN_OK);
     assert_int_equal(cube->direct.count, photon_irradiance_count(cube->maps));
     parallel_free(pool);
 }
@@ -161,6 +163,82 @@ static void beams_beside_balls_are_found(void **state) {
     assert_int_equal(found.without, 0);
 }
 
+// A room with a slit through which the sky is visible, and the visibility that was learnt there.
+struct sky_room {
+    struct lit_cube cube;
+    struct guide_visibility *visibility;
+    struct gather g;
+    struct parallel *pool;
+};
+
+static void sky_room_make(struct sky_room *room) {
+    struct test_scene *t = &room->cube.t;
+    test_scene_init(t);
+    test_slit_room(t, true);
+    test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    test_scene_finish(t);
+    test_look_down(t);
+    satin_options o = satin_options_default;
+    o.photons = 200000;
+    o.caustic_photons = 0;
+    room->pool = parallel_new(2);
+    struct stats stats = {0};
+    assert_int_equal(photon_case_build(&t->scene, &o, room->pool, &stats, &room->cube.maps),
+                     SATIN_OK);
+    const struct guide_visibility_samples rays = {
+        .paths = 4096, .box_rays = 8, .bin_rays = 3, .open_bins = 1024, .light_rays = 32};
+    assert_int_equal(guide_visibility_build(&t->scene, 0, rays, room->pool, &room->visibility),
+                     SATIN_OK);
+    room->g = gather_make(&t->scene, &o, room->cube.maps);
+}
+
+static void sky_room_free(struct sky_room *room) {
+    guide_visibility_free(room->visibility);
+    parallel_free(room->pool);
+    lit_cube_free(&room->cube);
+}
+
+// The mean squared difference of direct light at the entries in the room by these samples from that
+// by `reference`, over its mean square.
+static double sky_room_error(struct sky_room *room, struct gather_entry_samples samples,
+                             struct gather_entry_samples reference) {
+    struct gather_direct a, b;
+    double difference = 0.0, all = 0.0;
+    size_t entries = 0;
+    assert_int_equal(gather_direct_build(&room->g, samples, room->pool, &a), SATIN_OK);
+    assert_int_equal(gather_direct_build(&room->g, reference, room->pool, &b), SATIN_OK);
+    for (size_t i = 0; i < a.count; i++) {
+        vec3 p, n;
+        photon_irradiance_position(room->cube.maps, i, &p, &n);
+        if (!(fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))) < 1.001f)) continue;
+        difference += (double)sqrf(a.E[i].g - b.E[i].g);
+        all += (double)sqrf(b.E[i].g);
+        entries++;
+    }
+    assert_true(entries > 100);
+    gather_direct_free(&a);
+    gather_direct_free(&b);
+    return difference / all;
+}
+
+// Where what is visible of the sky is known, entries take that many samples, else the others.
+static void a_sky_takes_samples_of_its_own(void **state) {
+    (void)state;
+    const struct gather_entry_samples few = {8, 8}, more = {64, 8}, all = {64, 64},
+                                      reference = {2048, 2048};
+    struct sky_room room = {.pool = NULL};
+    sky_room_make(&room);
+    assert_true(sky_room_error(&room, more, few) == 0.0);
+    assert_true(sky_room_error(&room, all, few) > 0.0);
+    room.g.visibility = room.visibility;
+    assert_true(sky_room_error(&room, more, all) == 0.0);
+    const double by_few = sky_room_error(&room, few, reference),
+                 by_more = sky_room_error(&room, more, reference);
+    print_message("squared error of 8 samples %g, of 64 %g\n", by_few, by_more);
+    assert_true(by_few > 0.0 && by_more < 0.25 * by_few);
+    sky_room_free(&room);
+}
+
 // Maps without photons have no entries.
 static void empty_maps_have_no_entries(void **state) {
     (void)state;
@@ -176,6 +254,7 @@ int main(void) {
         cmocka_unit_test(edges_of_spots_are_not_read),
         cmocka_unit_test(beams_between_entries_are_found),
         cmocka_unit_test(beams_beside_balls_are_found),
+        cmocka_unit_test(a_sky_takes_samples_of_its_own),
         cmocka_unit_test(empty_maps_have_no_entries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

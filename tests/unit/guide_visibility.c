@@ -13,30 +13,18 @@
 #include "guide/guide.h"
 #include "test_scene.h"
 
-// A camera looks down at the floor of a cube of half-width 1 whose wall at x = 1 has a slit above z
-// = .2; beneath a sky, or with lamps above the floor and above the ceiling.
+// A camera looks down at the floor of a room with a slit (test_slit_room); beneath a sky, or with
+// lamps above the floor and above the ceiling.
 static void guide_visibility_room(struct test_scene *t, bool walls, int lamps) {
     test_scene_init(t);
-    const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
-    test_cube(t, test_transform(v3(0, 0, -1.05f), v3(1, 1, 0.05f)), false, grey);
-    if (walls) {
-        test_cube(t, test_transform(v3(0, 0, 1.05f), v3(1, 1, 0.05f)), false, grey);
-        test_cube(t, test_transform(v3(-1.05f, 0, 0), v3(0.05f, 1.1f, 1.1f)), false, grey);
-        test_cube(t, test_transform(v3(1.05f, 0, -0.4f), v3(0.05f, 1.1f, 0.6f)), false, grey);
-        test_cube(t, test_transform(v3(1.05f, 0, 0.8f), v3(0.05f, 1.1f, 0.3f)), false, grey);
-        test_cube(t, test_transform(v3(0, 1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
-        test_cube(t, test_transform(v3(0, -1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
-    }
+    test_slit_room(t, walls);
     if (!lamps) test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
     for (int i = 0; i < lamps; i++)
         test_light(t, (struct light){.kind = LIGHT_POINT,
                                      .position = v3(0, 0, i ? 1.2f : 0.9f),
                                      .value = rgb_grey(1.0f)});
     test_scene_finish(t);
-    t->scene.camera = (struct camera){
-        .to_world = mat4_scale(v3(1, 1, -1)), .tan_x = 1.0f, .tan_y = 1.0f, .far_clip = INFINITY};
-    t->scene.film =
-        (struct scene_film){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
+    test_look_down(t);
 }
 
 struct guide_visibility_tally {

@@ -119,6 +119,28 @@ static inline void test_scene_finish(struct test_scene *t) {
     assert_int_equal(light_prepare(&t->scene, quiet), SATIN_OK);
 }
 
+// A floor at z = -1 and, with `walls`, the rest of a room of half-width 1 whose wall at x = 1 has a
+// slit above z = .2.
+static inline void test_slit_room(struct test_scene *t, bool walls) {
+    const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    test_cube(t, test_transform(v3(0, 0, -1.05f), v3(1, 1, 0.05f)), false, grey);
+    if (!walls) return;
+    test_cube(t, test_transform(v3(0, 0, 1.05f), v3(1, 1, 0.05f)), false, grey);
+    test_cube(t, test_transform(v3(-1.05f, 0, 0), v3(0.05f, 1.1f, 1.1f)), false, grey);
+    test_cube(t, test_transform(v3(1.05f, 0, -0.4f), v3(0.05f, 1.1f, 0.6f)), false, grey);
+    test_cube(t, test_transform(v3(1.05f, 0, 0.8f), v3(0.05f, 1.1f, 0.3f)), false, grey);
+    test_cube(t, test_transform(v3(0, 1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
+    test_cube(t, test_transform(v3(0, -1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
+}
+
+// A camera in the middle that looks down.
+static inline void test_look_down(struct test_scene *t) {
+    t->scene.camera = (struct camera){
+        .to_world = mat4_scale(v3(1, 1, -1)), .tan_x = 1.0f, .tan_y = 1.0f, .far_clip = INFINITY};
+    t->scene.film =
+        (struct scene_film){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
+}
+
 // A whole scene: a closed cube of +-1 that emits a radiance of 1 and reflects `albedo` diffusely,
 // so that radiance is 1 / (1 - albedo) everywhere.
 static inline void test_furnace(struct test_scene *t, float albedo) {
