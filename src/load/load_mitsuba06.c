@@ -20,8 +20,11 @@ static const char *map_name(const struct pair *pairs, const char *name) {
 }
 
 const char *load_mitsuba06_tag(const char *name) {
-    static const struct pair tags[] = {
-        {"lookAt", "lookat"}, {"srgb", "rgb"}, {"blackbody", "spectrum"}, {NULL, NULL}};
+    static const struct pair tags[] = {{"lookAt", "lookat"},
+                                       {"srgb", "rgb"},
+                                       {"blackbody", "spectrum"},
+                                       {"animation", "transform"},
+                                       {NULL, NULL}};
     return map_name(tags, name);
 }
 

@@ -9,7 +9,7 @@
 #include "load/load_state.h"
 
 static const char *const filters[] = {"bilinear", "nearest", NULL};
-static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
+static const char *const wraps[] = {"repeat", "mirror", "clamp", "zero", "one", NULL};
 static const char *const bitmap_channels[] = {"r", "g", "b", "a", "x", "y", "z", NULL};
 static const char *const formats[] = {"auto", "variant", "fp16", NULL};
 
@@ -24,7 +24,7 @@ static const struct param_spec wrap_mode = {
     0,
     0,
     wraps,
-    "How the texture continues where u or v is outside [0, 1]."};
+    "How the texture continues where u or v is outside [0, 1]: `zero` and `one` are these values."};
 static const struct param_spec wrap_mode_u = {
     "wrap_mode_u",
     PARAM_CHOICE,

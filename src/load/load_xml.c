@@ -195,13 +195,16 @@ static satin_status respell(struct file *file, struct xml_node *node, bool *keep
     return load_mitsuba06_respell(reader->log, &reader->xml->arena, parent, node, keep);
 }
 
+static satin_status too_deep(const struct file *file) {
+    log_error_at(file->reader->log, current_place(file), "elements are nested more than %d deep",
+                 XML_DEPTH_MAX);
+    return SATIN_ERROR_INPUT;
+}
+
 static satin_status open_element(struct file *file, const char *name, const char **attributes) {
     struct xml_reader *reader = file->reader;
     struct log_place place = current_place(file);
-    if (reader->depth == XML_DEPTH_MAX) {
-        log_error_at(reader->log, place, "elements are nested more than %d deep", XML_DEPTH_MAX);
-        return SATIN_ERROR_INPUT;
-    }
+    if (reader->depth == XML_DEPTH_MAX) return too_deep(file);
     struct xml_node *node = arena_alloc(&reader->xml->arena, sizeof *node);
     if (!node) return SATIN_ERROR_MEMORY;
     node->place = place;
@@ -210,12 +213,16 @@ static satin_status open_element(struct file *file, const char *name, const char
     if (root) file->mitsuba06 = is_mitsuba06(attributes);
     node->mitsuba06 = file->mitsuba06;
     node->encoded = file->mitsuba06 && strcmp(name, "srgb") == 0;
+    node->animated = file->mitsuba06 && strcmp(name, "animation") == 0;
     node->tag =
         load_xml_tag_find(reader->log, place, file->mitsuba06 ? load_mitsuba06_tag(name) : name);
     if (node->tag == XML_TAG_COUNT) return SATIN_ERROR_INPUT;
     satin_status status = copy_attributes(file, attributes, node);
     if (status != SATIN_OK) return status;
     if (!check_parent_element(file, node)) return SATIN_ERROR_INPUT;
+    if (node->animated)
+        log_warning_at(reader->log, place,
+                       "<animation>: motion is not supported; its first key is taken");
     if (file->mitsuba06) status = respell(file, node, &keep);
     const bool included = root && file->parent && node->tag == XML_SCENE;
     struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
@@ -227,6 +234,27 @@ static satin_status open_element(struct file *file, const char *name, const char
     }
     if (status == SATIN_OK) reader->open[reader->depth++] = node;
     return status;
+}
+
+// Whether an element is a key of an <animation>.
+static bool is_key(const struct xml_reader *reader, const char *name) {
+    const int top = reader->depth - 1;
+    if (top < 1 || !reader->open[top]->animated || reader->open[top - 1] == reader->open[top])
+        return false;
+    return strcmp(name, "transform") == 0;
+}
+
+// The steps of the first key become those of the <animation>; other keys are not read.
+static satin_status open_key(struct file *file) {
+    struct xml_reader *reader = file->reader;
+    struct xml_node *animation = reader->open[reader->depth - 1];
+    if (animation->keys++ > 0) {
+        reader->skipped++;
+        return SATIN_OK;
+    }
+    if (reader->depth == XML_DEPTH_MAX) return too_deep(file);
+    reader->open[reader->depth++] = animation;
+    return SATIN_OK;
 }
 
 // Whether an element is not read, with all that it contains: a medium or a volume.
@@ -261,7 +289,9 @@ static void XMLCALL on_start(void *user, const char *name, const char **attribut
     if (file->reader->status != SATIN_OK) return;
     const bool skipped = skips(file, name);
     satin_status status = SATIN_OK;
-    if (!skipped)
+    if (!skipped && is_key(file->reader, name))
+        status = open_key(file);
+    else if (!skipped)
         status = open_element(file, name, attributes);
     else if (file->reader->skipped++ == 0)
         status = skip_element(file, name, attributes);

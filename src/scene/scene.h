@@ -23,7 +23,7 @@
 
 // ---- Textures -----------------------------------------------------------------------------------
 
-enum texture_wrap { TEXTURE_REPEAT = 0, TEXTURE_MIRROR, TEXTURE_CLAMP };
+enum texture_wrap { TEXTURE_REPEAT = 0, TEXTURE_MIRROR, TEXTURE_CLAMP, TEXTURE_ZERO, TEXTURE_ONE };
 enum texture_kind {
     TEXTURE_CONSTANT = 0,
     TEXTURE_BITMAP,

@@ -4,17 +4,24 @@
 // is half a unit wide, and the first one has color0.
 #include "scene/scene_attribute.h"
 
-// The texel index in [0, n) for position i outside or inside the image.
+// What an index of a texel is if the texture is 0 or 1 there.
+enum { TEXEL_ZERO = -1, TEXEL_ONE = -2 };
+
+// The texel index in [0, n), or one of these, for position i outside or inside the image.
 static int wrap(float i, int n, enum texture_wrap mode) {
     float size = (float)n;
     if (mode == TEXTURE_CLAMP) return (int)clampf(i, 0.0f, size - 1.0f);
+    if (mode >= TEXTURE_ZERO && !(i >= 0.0f && i < size))
+        return mode == TEXTURE_ZERO ? TEXEL_ZERO : TEXEL_ONE;
     float tile = floorf(i / size);
     int inside = (int)clampf(i - tile * size, 0.0f, size - 1.0f);
     bool odd = mode == TEXTURE_MIRROR && tile - 2.0f * floorf(0.5f * tile) > 0.5f;
     return odd ? n - 1 - inside : inside;
 }
 
+// Where both x and y are outside, x decides.
 static rgb image_texel(const struct image *image, int x, int y) {
+    if (x < 0 || y < 0) return rgb_grey((x < 0 ? x : y) == TEXEL_ONE ? 1.0f : 0.0f);
     const float *t =
         image->texel + ((size_t)y * (size_t)image->width + (size_t)x) * (size_t)image->channels;
     return image->channels == 1 ? rgb_grey(t[0]) : rgb_make(t[0], t[1], t[2]);
@@ -145,8 +152,16 @@ vec2 scene_texture_gradient(const struct texture *texture, vec2 uv) {
     return (vec2){m[0] * x + m[3] * y, m[1] * x + m[4] * y};
 }
 
-static void image_range(const struct image *image, float *lo, float *hi) {
+static void add_to_range(enum texture_wrap outside, float *lo, float *hi) {
+    if (outside == TEXTURE_ZERO) *lo = minf(*lo, 0.0f), *hi = maxf(*hi, 0.0f);
+    if (outside == TEXTURE_ONE) *lo = minf(*lo, 1.0f), *hi = maxf(*hi, 1.0f);
+}
+
+static void bitmap_range(const struct texture *texture, float *lo, float *hi) {
+    const struct image *image = texture->image;
     *lo = INFINITY, *hi = -INFINITY;
+    add_to_range(texture->wrap, lo, hi);
+    add_to_range(texture->wrap_v, lo, hi);
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++) {
             float value = rgb_luminance(image_texel(image, x, y));
@@ -161,7 +176,7 @@ bool scene_texture_range(const struct texture *texture, float *lo, float *hi) {
             *lo = *hi = rgb_mean(texture->value);
             return true;
         case TEXTURE_BITMAP:
-            image_range(texture->image, lo, hi);
+            bitmap_range(texture, lo, hi);
             return *lo <= *hi;
         case TEXTURE_CHECKERBOARD:
         case TEXTURE_GRID:

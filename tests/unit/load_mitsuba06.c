@@ -35,6 +35,27 @@ static void names_of_version_06_are_translated(void **state) {
     satin_scene_free(scene);
 }
 
+// The camera is where the first key of its <animation> is; a transform in a key is an error.
+static void the_first_key_of_an_animation_is_taken(void **state) {
+    (void)state;
+    static const char moved[] =
+        "<scene version='0.6.0'><sensor type='perspective'><animation name='toWorld'>"
+        "<transform time='0'><translate x='3'/>%s<translate y='2'/></transform>"
+        "<transform time='1'><translate x='5'/></transform><transform time='2'/>"
+        "</animation><float name='fov' value='40'/></sensor></scene>";
+    struct scene_case c;
+    char text[1024];
+    snprintf(text, sizeof text, moved, "");
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    assert_true(scene->camera.to_world.m[0][3] == 3.0f && scene->camera.to_world.m[1][3] == 2.0f);
+    assert_true(c.warnings == 1 && strstr(c.warning, "motion is not supported"));
+    satin_scene_free(scene);
+    snprintf(text, sizeof text, moved, "<transform name='a'/>");
+    assert_null(scene_case_load(&c, text));
+    assert_non_null(strstr(c.error, "<transform> cannot stand inside <transform>"));
+}
+
 // A factor around the heights is the bumpmap's own.
 static void the_scale_of_bumps_is_moved(void **state) {
     (void)state;
@@ -283,6 +304,7 @@ static void unknown_integrators_samplers_and_films_are_accepted(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_of_version_06_are_translated),
+        cmocka_unit_test(the_first_key_of_an_animation_is_taken),
         cmocka_unit_test(the_scale_of_bumps_is_moved),
         cmocka_unit_test(parameters_keep_their_meaning),
         cmocka_unit_test(defaults_of_version_06_are_kept),

@@ -50,6 +50,34 @@ static void scene_texture_agrees_with_mitsuba(void **state) {
     }
 }
 
+// As Mitsuba 0.6: the image is inside [0, 1], and interpolated with the value around it.
+static void zero_or_one_surrounds_the_image(void **state) {
+    (void)state;
+    static const vec2 uv[5] = {{.3f, .4f}, {1.3f, .4f}, {-.3f, -.4f}, {.5f, 1e9f}, {1, 1}};
+    static const float value[4][5] = {
+        {5, 0, 0, 5.5f, 0},         // nearest, zero
+        {5, 1, 1, 5.5f, 1},         // one
+        {3.5f, 0, 0, 5.5f, 2.75f},  // bilinear; far away is the mean
+        {3.5f, 1, 1, 5.5f, 3.5f},
+    };
+    for (int k = 0; k < 4; k++) {
+        const struct texture t = scene_texture_bitmap(k % 2 ? TEXTURE_ONE : TEXTURE_ZERO, k < 2);
+        for (int i = 0; i < 5; i++) assert_float_equal(eval(&t, uv[i]).r, value[k][i], 1e-4f);
+    }
+    struct texture both = scene_texture_bitmap(TEXTURE_ZERO, true);
+    both.wrap_v = TEXTURE_ONE;
+    assert_true(eval(&both, (vec2){1.3f, 1.3f}).r == 0.0f);
+    assert_true(eval(&both, (vec2){.3f, 1.3f}).r == 1.0f);
+    const float bright[1] = {3.0f};
+    const struct image texel = {1, 1, 1, bright, 1.0f};
+    struct texture t = scene_texture_bitmap(TEXTURE_ONE, true);
+    t.image = &texel;
+    float lo, hi;
+    assert_true(scene_texture_range(&t, &lo, &hi) && lo == 1.0f && hi == 3.0f);
+    t.wrap_v = TEXTURE_ZERO;
+    assert_true(scene_texture_range(&t, &lo, &hi) && lo == 0.0f && hi == 3.0f);
+}
+
 static void coordinates_are_transformed(void **state) {
     (void)state;
     static const vec2 uv[4] = {{.1f, .1f}, {.3f, .1f}, {.1f, .2f}, {.6f, .4f}};
@@ -292,6 +320,7 @@ int main(void) {
         cmocka_unit_test(lines_of_a_grid_are_drawn),
         cmocka_unit_test(each_axis_wraps_for_itself),
         cmocka_unit_test(scene_texture_agrees_with_mitsuba),
+        cmocka_unit_test(zero_or_one_surrounds_the_image),
         cmocka_unit_test(coordinates_are_transformed),
         cmocka_unit_test(squares_of_a_checkerboard_alternate),
         cmocka_unit_test(checkerboards_nest),
