@@ -42,16 +42,17 @@ static bool same_coat(const struct brdf *a, const struct brdf *b) {
 }
 
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b) {
-    struct brdf x = *a, y = *b;
     if (!same_coat(a, b)) return false;
-    if (x.model != y.model || x.ior != y.ior || x.distribution != y.distribution ||
-        x.variant != y.variant || x.opaque != y.opaque || (x.model->data && x.tables != y.tables))
+    if (a->model != b->model || a->ior != b->ior || a->distribution != b->distribution ||
+        a->variant != b->variant || a->opaque != b->opaque ||
+        (a->model->data && a->tables != b->tables))
         return false;
     for (enum brdf_slot i = BRDF_SLOT_NUMBERS; i < BRDF_SLOT_COUNT; i++)
-        if (*brdf_number(&x, i) != *brdf_number(&y, i)) return false;
-    if (x.model->slots & 1u << BRDF_SLOT_ETA)
-        return memcmp(&x.eta, &y.eta, sizeof x.eta) == 0 && memcmp(&x.k, &y.k, sizeof x.k) == 0;
-    return !brdf_tinted(&x) || memcmp(&x.diffuse, &y.diffuse, sizeof x.diffuse) == 0;
+        if (brdf_number_of(a, i) != brdf_number_of(b, i)) return false;
+    if (a->model->slots & 1u << BRDF_SLOT_ETA)
+        return memcmp(&a->eta, &b->eta, sizeof a->eta) == 0 &&
+               memcmp(&a->k, &b->k, sizeof a->k) == 0;
+    return !brdf_tinted(a) || memcmp(&a->diffuse, &b->diffuse, sizeof a->diffuse) == 0;
 }
 
 unsigned brdf_lobes(const struct brdf *b) {

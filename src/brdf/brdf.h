@@ -113,18 +113,29 @@ enum brdf_slot {
     BRDF_SLOT_NUMBERS = BRDF_SLOT_ALPHA_U  // the first number
 };
 
+// Where the field of a slot is in a BRDF [bytes].
+static inline size_t brdf_slot_at(enum brdf_slot slot) {
+#define FIELD(field) offsetof(struct brdf, field)
+    static const uint16_t at[BRDF_SLOT_COUNT] = {
+        FIELD(diffuse),    FIELD(specular),  FIELD(transmittance),   FIELD(coat_specular),
+        FIELD(eta),        FIELD(k),         FIELD(coat_depth),      FIELD(alpha_u),
+        FIELD(alpha_v),    FIELD(exponent),  FIELD(metallic),        FIELD(anisotropic),
+        FIELD(spec_trans), FIELD(spec_tint), FIELD(sheen),           FIELD(sheen_tint),
+        FIELD(flatness),   FIELD(clearcoat), FIELD(clearcoat_gloss), FIELD(diff_trans),
+        FIELD(ior)};
+#undef FIELD
+    return at[slot];
+}
 // The field of the slot of a colour, and of that of a number.
 static inline rgb *brdf_color(struct brdf *b, enum brdf_slot slot) {
-    rgb *field[] = {&b->diffuse, &b->specular, &b->transmittance, &b->coat_specular,
-                    &b->eta,     &b->k,        &b->coat_depth};
-    return field[slot];
+    return (void *)((char *)b + brdf_slot_at(slot));
 }
 static inline float *brdf_number(struct brdf *b, enum brdf_slot slot) {
-    float *field[] = {&b->alpha_u,     &b->alpha_v,    &b->exponent,  &b->metallic,
-                      &b->anisotropic, &b->spec_trans, &b->spec_tint, &b->sheen,
-                      &b->sheen_tint,  &b->flatness,   &b->clearcoat, &b->clearcoat_gloss,
-                      &b->diff_trans,  &b->ior};
-    return field[slot - BRDF_SLOT_NUMBERS];
+    return (void *)((char *)b + brdf_slot_at(slot));
+}
+static inline float brdf_number_of(const struct brdf *b, enum brdf_slot slot) {
+    const void *at = (const char *)b + brdf_slot_at(slot);
+    return *(const float *)at;
 }
 
 struct brdf_sample {
