@@ -6,12 +6,6 @@
 
 #include "load/load_xml.h"
 
-// Where the CDATA section or comment that begins at `at` ends, or the end of the text.
-static char *end_of(char *at, const char *closing) {
-    char *end = strstr(at, closing);
-    return end ? end : at + strlen(at);
-}
-
 static bool begins(const char *at, const char *text) {
     return strncmp(at, text, strlen(text)) == 0;
 }
@@ -24,41 +18,57 @@ static bool is_entity(const char *at) {
     return length > 0 && first[length] == ';';
 }
 
-// Overwrites the contents of comments by blanks, and counts the `&` that begin no reference.
-static size_t blank_comments(char *text) {
-    size_t count = 0;
+// Where the CDATA section or comment that begins before `at` ends, or the end of the text.
+static const char *find_end(const char *at, const char *closing) {
+    const char *end = strstr(at, closing);
+    return end ? end : at + strlen(at);
+}
+
+// Overwrites the contents of comments by blanks.
+static void blank_comments(char *text) {
     for (char *at = text; *at; at++) {
         if (begins(at, "<![CDATA[")) {
-            at = end_of(at, "]]>");
+            at += find_end(at, "]]>") - at;
         } else if (begins(at, "<!--")) {
-            char *end = end_of(at + 4, "-->");
-            for (at += 4; at < end && *end; at++)
+            const char *end = find_end(at + 4, "-->");
+            for (at += 4; at < end; at++)
                 if (*at != '\n' && *at != '\r') *at = ' ';
-            at = end;
-        } else if (*at == '&' && !is_entity(at)) {
-            count++;
         }
         if (!*at) break;
     }
-    return count;
+}
+
+// The next `&` that begins no reference and is in no CDATA section, or NULL.
+static const char *find_stray(const char *at) {
+    for (; *at; at++) {
+        if (begins(at, "<![CDATA[")) {
+            at = find_end(at, "]]>");
+            if (!*at) break;
+        } else if (*at == '&' && !is_entity(at)) {
+            return at;
+        }
+    }
+    return NULL;
 }
 
 bool load_xml_clean(char **data, size_t *size) {
     char *text = *data;
     // UTF-16, or no text at all.
     if (memchr(text, 0, *size)) return true;
-    const size_t count = blank_comments(text);
+    blank_comments(text);
+    size_t count = 0;
+    for (const char *stray = find_stray(text); stray; stray = find_stray(stray + 1)) count++;
     if (!count) return true;
     char *out = malloc(*size + count * strlen("amp;") + 1), *to = out;
     if (!out) return false;
-    for (const char *at = text; *at;) {
-        if (begins(at, "<![CDATA["))
-            for (const char *end = strstr(at, "]]>"); *at && at != end;) *to++ = *at++;
-        const bool stray = *at == '&' && !is_entity(at);
-        if (*at) *to++ = *at++;
-        if (stray) to = stpcpy(to, "amp;");
+    const char *at = text;
+    for (const char *stray = find_stray(at); stray; stray = find_stray(at)) {
+        const size_t length = (size_t)(stray + 1 - at);
+        memcpy(to, at, length);
+        to = stpcpy(to + length, "amp;");
+        at = stray + 1;
     }
-    *to = 0;
+    to = stpcpy(to, at);
     *size = (size_t)(to - out);
     free(text);
     *data = out;
