@@ -58,6 +58,7 @@ struct light {
     const uint32_t *row_cut, *column_cut;  // envmap: start indices of searches in the cdfs
     uint32_t row_cuts, column_cuts;
     const float *row_weight;  // envmap: factors of the rows of texels in the density, rows + 1
+    float cell_mean;          // envmap: the mean weight of the cells
     const struct light_face *face;  // area: set if all triangles pair into a few faces, else NULL
     uint32_t face_count;
     const float *facing_cdf;  // area, many triangles: distributions over them (light_facing.c), or

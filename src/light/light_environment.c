@@ -40,13 +40,21 @@ static struct texel_lookup texel_lookup_at(const struct light *light, vec3 w) {
     return (struct texel_lookup){c, (int)row, x - column, clampf(y - row, 0.0f, 1.0f), s};
 }
 
-static rgb interpolate(const struct light *light, const struct texel_lookup *at) {
-    const struct image *image = light->image;
-    float fx = at->fx, fy = at->fy;
-    rgb c = rgb_scale(texel(image, at->column, at->row), (1.0f - fx) * (1.0f - fy));
-    c = rgb_mad(c, texel(image, at->column + 1, at->row), fx * (1.0f - fy));
-    c = rgb_mad(c, texel(image, at->column, at->row + 1), (1.0f - fx) * fy);
-    c = rgb_mad(c, texel(image, at->column + 1, at->row + 1), fx * fy);
+// The four texels around a point.
+struct texels {
+    rgb c00, c10, c01, c11;
+};
+
+static struct texels texels_of(const struct image *image, int column, int row) {
+    return (struct texels){texel(image, column, row), texel(image, column + 1, row),
+                           texel(image, column, row + 1), texel(image, column + 1, row + 1)};
+}
+
+static rgb interpolate(const struct light *light, const struct texels *t, float fx, float fy) {
+    rgb c = rgb_scale(t->c00, (1.0f - fx) * (1.0f - fy));
+    c = rgb_mad(c, t->c10, fx * (1.0f - fy));
+    c = rgb_mad(c, t->c01, (1.0f - fx) * fy);
+    c = rgb_mad(c, t->c11, fx * fy);
     return rgb_mul(c, light->value);
 }
 
@@ -61,23 +69,14 @@ struct cell {
     float w00, w10, w01, w11;  // sampling weights of the four texels
 };
 
-static struct cell cell_of(const struct light *light, int column, int row) {
-    const struct image *image = light->image;
+static struct cell cell_of(const struct light *light, const struct texels *t, int row) {
     const float low = light->row_weight[row], high = light->row_weight[row + 1];
-    return (struct cell){maxf(rgb_luminance(texel(image, column, row)), 0.0f) * low,
-                         maxf(rgb_luminance(texel(image, column + 1, row)), 0.0f) * low,
-                         maxf(rgb_luminance(texel(image, column, row + 1)), 0.0f) * high,
-                         maxf(rgb_luminance(texel(image, column + 1, row + 1)), 0.0f) * high};
+    return (struct cell){
+        maxf(rgb_luminance(t->c00), 0.0f) * low, maxf(rgb_luminance(t->c10), 0.0f) * low,
+        maxf(rgb_luminance(t->c01), 0.0f) * high, maxf(rgb_luminance(t->c11), 0.0f) * high};
 }
 
 static float cell_mean(const struct cell *c) { return 0.25f * (c->w00 + c->w10 + c->w01 + c->w11); }
-
-static float cell_density(const struct cell *c, float fx, float fy) {
-    float mean = cell_mean(c);
-    if (!(mean > 0.0f)) return 1.0f;
-    float low = lerpf(c->w00, c->w10, fx), high = lerpf(c->w01, c->w11, fx);
-    return lerpf(low, high, fy) / mean;
-}
 
 // Draws x in [0, 1] with a density that is linear from a to b.
 static float sample_linear(float u, float a, float b) {
@@ -85,20 +84,13 @@ static float sample_linear(float u, float a, float b) {
     return root > 0.0f ? fminf(u * (a + b) / root, 1.0f) : u;
 }
 
-// The probability density of drawing the cell, over the unit square of the image.
-static float cell_probability(const struct light *light, int column, int row) {
-    const struct image *image = light->image;
-    const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
-    float p =
-        (light->row_cdf[row + 1] - light->row_cdf[row]) * (columns[column + 1] - columns[column]);
-    return p * (float)image->width * (float)cell_rows(image);
-}
-
+// The density of drawing the point by the cdfs, which are of the means of the cells. Computed from
+// the texels, it does not wait for the cdfs in memory, and rounding of these does not matter.
 static float texel_pdf(const struct light *light, const struct texel_lookup *at,
-                       const struct cell *cell) {
-    if (!(at->sin_theta > 0.0f)) return 0.0f;
-    return cell_probability(light, at->column, at->row) * cell_density(cell, at->fx, at->fy) /
-           (2.0f * PI_F * PI_F * at->sin_theta);
+                       const struct cell *c) {
+    if (!(at->sin_theta > 0.0f) || !(light->cell_mean > 0.0f)) return 0.0f;
+    const float low = lerpf(c->w00, c->w10, at->fx), high = lerpf(c->w01, c->w11, at->fx);
+    return lerpf(low, high, at->fy) / (light->cell_mean * 2.0f * PI_F * PI_F * at->sin_theta);
 }
 
 static vec3 direction_at(const struct light *light, float x, float y) {
@@ -163,7 +155,8 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
     double cell_area = 2.0 * M_PI * M_PI / (double)(rows * columns), flux = 0.0, power = 0.0;
     for (size_t r = 0; r < rows; r++) {
         for (size_t c = 0; c < columns; c++) {
-            struct cell cell = cell_of(light, (int)c, (int)r);
+            const struct texels t = texels_of(image, (int)c, (int)r);
+            const struct cell cell = cell_of(light, &t, (int)r);
             line[c] = cell_mean(&cell);
             vec3 d = direction_at(light, ((float)c + 1.0f) / (float)columns,
                                   ((float)r + 0.5f) / (float)rows);
@@ -174,7 +167,8 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
         row_sum[r] = (float)sample_cdf_build(line, columns, cdf);
         sample_cuts_build(cdf, columns, column_cuts, column_cut + r * (column_cuts + 1));
     }
-    sample_cdf_build(row_sum, rows, row_cdf);
+    const double all = sample_cdf_build(row_sum, rows, row_cdf);
+    light->cell_mean = (float)(all / (double)(rows * columns));
     sample_cuts_build(row_cdf, rows, row_cuts, row_cut);
     light->row_cut = row_cut;
     light->column_cut = column_cut;
@@ -216,8 +210,9 @@ static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
         return 0.25f / PI_F;
     }
     const struct texel_lookup at = texel_lookup_at(light, wi);
-    const struct cell cell = cell_of(light, at.column, at.row);
-    if (L) *L = interpolate(light, &at);
+    const struct texels t = texels_of(light->image, at.column, at.row);
+    const struct cell cell = cell_of(light, &t, at.row);
+    if (L) *L = interpolate(light, &t, at.fx, at.fy);
     return texel_pdf(light, &at, &cell);
 }
 
@@ -231,8 +226,9 @@ static bool choose_with(float probability, float *u) {
 // The environment's radiance without its sun.
 static rgb sky_radiance(const struct light *light, vec3 w) {
     if (light->kind == LIGHT_CONSTANT) return light->value;
-    struct texel_lookup at = texel_lookup_at(light, w);
-    return interpolate(light, &at);
+    const struct texel_lookup at = texel_lookup_at(light, w);
+    const struct texels t = texels_of(light->image, at.column, at.row);
+    return interpolate(light, &t, at.fx, at.fy);
 }
 
 // Draws a direction by radiance; sets its density and radiance.
@@ -247,14 +243,15 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
     const uint32_t *cut = light->column_cut + (size_t)row * (light->column_cuts + 1);
     int column = (int)sample_cdf_cut(columns, cut, light->column_cuts, u, &u);
-    struct cell c = cell_of(light, column, row);
+    const struct texels t = texels_of(image, column, row);
+    const struct cell c = cell_of(light, &t, row);
     struct texel_lookup at = {.column = column, .row = row};
     at.fy = sample_linear(v, c.w00 + c.w10, c.w01 + c.w11);
     at.fx = sample_linear(u, lerpf(c.w00, c.w01, at.fy), lerpf(c.w10, c.w11, at.fy));
     float y = ((float)row + at.fy) / (float)cell_rows(image);
     at.sin_theta = sinf(PI_F * y);
     *pdf_w = texel_pdf(light, &at, &c);
-    *L = interpolate(light, &at);
+    *L = interpolate(light, &t, at.fx, at.fy);
     return direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
 }
 
