@@ -23,12 +23,15 @@ static void what_is_not_xml_is_cleaned(void **state) {
         {"<a/>", "<a/>"},
         {"<!-- a -- b -->\n<a/>", "<!--        -->\n<a/>"},
         {"<!--\n\xe9\r\n--><!----><!-- & --><!--->-->", "<!--\n \r\n--><!----><!--   --><!--  -->"},
-        {"<!-- a & b", "<!-- a & b"},
+        {"<!-- a & b", "<!--      "},
+        {"&<!-- && && && && &&", "&amp;<!--               "},
+        {"&<!-- && -- & -->&", "&amp;<!--         -->&amp;"},
         {"<a b='c&d'/>", "<a b='c&amp;d'/>"},
         {"<a b='&amp;&#65;&#x41;&x.y;&'/>&", "<a b='&amp;&#65;&#x41;&x.y;&amp;'/>&amp;"},
         {"&; & &#; &a", "&amp;; &amp; &amp;#; &amp;a"},
         {"<![CDATA[ & <!-- -- --> ]]>&", "<![CDATA[ & <!-- -- --> ]]>&amp;"},
         {"&<![CDATA[ & ", "&amp;<![CDATA[ & "},
+        {"&<![CDATA[ && ]]>&&", "&amp;<![CDATA[ && ]]>&amp;&amp;"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char *data = cleaned(cases[i][0]);

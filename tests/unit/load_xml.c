@@ -96,31 +96,6 @@ static void entities_are_replaced(void **state) {
     load_xml_free(&xml);
 }
 
-// An `&` that begins no entity is itself, but in a CDATA section and in comments it is not touched,
-// even if the comment does not end.
-static void stray_ampersands_are_escaped(void **state) {
-    (void)state;
-    static const char text[][2][64] = {
-        {"a & b &c; &#65; &d", "a &amp; b &c; &#65; &amp;d"},
-        {"&<![CDATA[ && ]]>&&", "&amp;<![CDATA[ && ]]>&amp;&amp;"},
-        {"&<!-- && -- & -->&", "&amp;<!--         -->&amp;"},
-        {"&<!-- && && && && &&", "&amp;<!--               "},
-        {"&<![CDATA[ && && && && &&", "&amp;<![CDATA[ && && && && &&"},
-        {"&", "&amp;"},
-        {"<!-- & -->", "<!--   -->"},
-    };
-    for (size_t i = 0; i < sizeof text / sizeof *text; i++) {
-        size_t size = strlen(text[i][0]);
-        char *data = malloc(size + 1);
-        assert_non_null(data);
-        memcpy(data, text[i][0], size + 1);
-        assert_true(load_xml_clean(&data, &size));
-        assert_string_equal(data, text[i][1]);
-        assert_int_equal(size, strlen(text[i][1]));
-        free(data);
-    }
-}
-
 // The billion laughs: ten times as many of each entity in the next, to 10^12 elements or bytes.
 static void entities_are_bounded(void **state) {
     (void)state;
@@ -331,7 +306,6 @@ int main(void) {
         cmocka_unit_test(elements_keep_their_order_and_lines),
         cmocka_unit_test(the_document_type_is_skipped),
         cmocka_unit_test(entities_are_replaced),
-        cmocka_unit_test(stray_ampersands_are_escaped),
         cmocka_unit_test(entities_are_bounded),
         cmocka_unit_test(parameters_are_substituted),
         cmocka_unit_test(files_are_included),
