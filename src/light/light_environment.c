@@ -90,7 +90,7 @@ static float texel_pdf(const struct light *light, const struct texel_lookup *at,
                        const struct cell *c) {
     if (!(at->sin_theta > 0.0f) || !(light->cell_mean > 0.0f)) return 0.0f;
     const float low = lerpf(c->w00, c->w10, at->fx), high = lerpf(c->w01, c->w11, at->fx);
-    return lerpf(low, high, at->fy) / (light->cell_mean * 2.0f * PI_F * PI_F * at->sin_theta);
+    return lerpf(low, high, at->fy) / light->cell_mean / (2.0f * PI_F * PI_F * at->sin_theta);
 }
 
 static vec3 direction_at(const struct light *light, float x, float y) {
