@@ -102,6 +102,28 @@ static void the_box_ends_at_the_hole(void **state) {
     end(&t, all);
 }
 
+// Some fifty rays through the slit do not show where the faces should be: they stay at the walls.
+static void few_rays_do_not_move_the_box(void **state) {
+    (void)state;
+    struct test_scene t;
+    guide_visibility_room(&t, true, 0);
+    const struct guide_visibility_samples samples = {
+        .paths = 512, .box_rays = 1, .bin_rays = 1, .open_bins = 1024, .light_rays = 1};
+    struct parallel *pool = parallel_new(2);
+    for (uint64_t seed = 0; seed < 8; seed++) {
+        struct guide_visibility *all = NULL;
+        assert_int_equal(guide_visibility_build(&t.scene, seed, samples, pool, &all), SATIN_OK);
+        const struct light_histogram *histogram = guide_visibility_at(all, v3(0, 0, -1)).histogram;
+        assert_non_null(histogram);
+        const vec3 lo = histogram->box->lo, hi = histogram->box->hi;
+        assert_true(fminf(hi.x, fminf(hi.y, hi.z)) > 0.95f && v3_max_abs(hi) < 1.15f);
+        assert_true(fmaxf(lo.x, fmaxf(lo.y, lo.z)) < -0.95f && v3_max_abs(lo) < 1.15f);
+        guide_visibility_free(all);
+    }
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 // The fraction of E at p that comes from directions which samples draw rarely: less often than if
 // they went by radiance.
 static double guide_visibility_rare(const struct test_scene *t, const struct guide_visibility *all,
@@ -199,6 +221,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_go_through_the_hole),
         cmocka_unit_test(the_box_ends_at_the_hole),
+        cmocka_unit_test(few_rays_do_not_move_the_box),
         cmocka_unit_test(rays_of_other_cells_find_what_those_of_one_miss),
         cmocka_unit_test(samples_of_an_open_floor_go_to_the_sky),
         cmocka_unit_test(without_a_sky_there_is_no_histogram),
