@@ -10,11 +10,16 @@ static bool begins(const char *at, const char *text) {
     return strncmp(at, text, strlen(text)) == 0;
 }
 
-// Whether an `&` begins a reference to an entity or a character.
+// Whether an `&` begins a reference to an entity, whose name never begins with a digit, or to a
+// character.
 static bool is_entity(const char *at) {
-    static const char name[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._:-";
-    const char *first = at + 1 + (at[1] == '#');
-    const size_t length = strspn(first, name);
+    static const char name[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_:.-0123456789",
+                      digit[] = "0123456789abcdefABCDEF";
+    const bool character = at[1] == '#', hexadecimal = character && at[2] == 'x';
+    const char *first = at + 1 + character + hexadecimal;
+    if (!character && strspn(first, ".-0123456789") > 0) return false;
+    size_t length = strspn(first, character ? digit : name);
+    if (character && !hexadecimal) length = strspn(first, "0123456789");
     return length > 0 && first[length] == ';';
 }
 
@@ -28,7 +33,7 @@ static const char *find_end(const char *at, const char *closing) {
 static void blank_comments(char *text) {
     for (char *at = text; *at; at++) {
         if (begins(at, "<![CDATA[")) {
-            at += find_end(at, "]]>") - at;
+            at = text + (find_end(at, "]]>") - text);
         } else if (begins(at, "<!--")) {
             const char *end = find_end(at + 4, "-->");
             for (at += 4; at < end; at++)

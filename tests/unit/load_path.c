@@ -29,6 +29,8 @@ static void what_is_not_xml_is_cleaned(void **state) {
         {"<a b='c&d'/>", "<a b='c&amp;d'/>"},
         {"<a b='&amp;&#65;&#x41;&x.y;&'/>&", "<a b='&amp;&#65;&#x41;&x.y;&amp;'/>&amp;"},
         {"&; & &#; &a", "&amp;; &amp; &amp;#; &amp;a"},
+        {"&1; &-a; &#x; &#a; &#xg; &#x1F600;",
+         "&amp;1; &amp;-a; &amp;#x; &amp;#a; &amp;#xg; &#x1F600;"},
         {"<![CDATA[ & <!-- -- --> ]]>&", "<![CDATA[ & <!-- -- --> ]]>&amp;"},
         {"&<![CDATA[ & ", "&amp;<![CDATA[ & "},
         {"&<![CDATA[ && ]]>&&", "&amp;<![CDATA[ && ]]>&amp;&amp;"},
