@@ -21,7 +21,8 @@ enum {
 };
 
 // The weight of a bin beside one where the environment is visible, as a fraction of that one's,
-// because rays are few.
+// because rays are few. For photons through openings, .1, .25 and 1 leave a variance of .00034,
+// .00042 and .00144 of the indirect light of a room with a slit of 2 cm.
 #define BESIDE 0.1f
 // Fraction of the samples that is drawn by bins. Sampling by radiance is useless for a constant
 // sky, and good for an image where all of it is visible. Samples by radiance that find light where
@@ -115,6 +116,19 @@ static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
             for (size_t g = 0; g < l->ranges; g++)
                 l->open[bin] |= l->square[learned_at(l->cells + g, (size_t)around[i])] > 0.0f;
     }
+}
+
+// The openings for photons are the bins in which some range has found the environment.
+static void find_openings(const struct learning *l) {
+    struct guide_visibility *visibility = l->visibility;
+    float weight[LIGHT_HISTOGRAM_BINS];
+    for (size_t bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
+        weight[bin] = l->open[bin] ? BESIDE : 0.0f;
+        for (size_t g = 0; g < l->ranges; g++)
+            if (l->square[learned_at(l->cells + g, bin)] > 0.0f) weight[bin] = 1.0f;
+    }
+    guide_openings_make(l->scene, &visibility->box, weight, &visibility->openings,
+                        &visibility->aim);
 }
 
 // A cell traces rays through the open bins. They are as many as if a certain number of bins had all
@@ -274,6 +288,7 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
                           parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
                           parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
         status = done ? SATIN_OK : SATIN_CANCELLED;
+        if (done) find_openings(l);
     }
     free(l->square);
     free(l->traced);
@@ -348,6 +363,10 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
     else
         free(visibility);
     return status;
+}
+
+const struct light_aim *guide_visibility_aim(const struct guide_visibility *visibility) {
+    return visibility && visibility->aim.openings ? &visibility->aim : NULL;
 }
 
 struct light_visibility guide_visibility_at(const struct guide_visibility *visibility, vec3 p) {

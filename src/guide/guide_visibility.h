@@ -13,6 +13,14 @@
 bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
                     size_t rays, struct parallel *pool, struct light_box *out);
 
+// ---- Openings (guide_openings.c) ----------------------------------------------------------------
+
+// Makes the openings, which are bins of the box, and the aim at them. By weights, one bin gets more
+// rays per area than another. aim->openings stays NULL if they are not small beside the scene.
+void guide_openings_make(const struct satin_scene *scene, const struct light_box *box,
+                         const float weight[LIGHT_HISTOGRAM_BINS], struct light_openings *openings,
+                         struct light_aim *aim);
+
 // ---- What is visible ---------------------------------------------------------------------------
 
 // What was measured in each cell.
@@ -20,6 +28,8 @@ struct guide_visibility {
     struct guide_cells cells;
     bool sky, choice;  // whether histograms, and whether fractions of the lights, were measured
     struct light_box box;
+    struct light_openings openings;  // of this box
+    struct light_aim aim;            // at them
     struct light_histogram histogram[GUIDE_CELLS_MAX];
     struct light_bins bins[GUIDE_CELLS_MAX];
     float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHTS_MAX];  // visible fraction of each light's

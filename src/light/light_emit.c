@@ -102,22 +102,38 @@ static bool emit_position(const struct light *light, const struct light_aim *aim
 
 // ---- Light from infinitely far ----------------------------------------------------------------
 
-// A ray along d through one of the aim's boxes. *area is set to 1 over its density.
+// A ray along d through one of the aim's boxes or its openings. *area is set to 1 over its density.
+// Sets the ray and out->entering.
 static bool aim_ray(const struct satin_scene *scene, const struct light_aim *aim, vec3 d,
-                    const float u[2], struct ray *ray, float *area) {
-    float u2[2] = {u[0], u[1]};
+                    const float u[2], struct light_ray *out, float *area) {
+    struct ray *ray = &out->ray;
+    const bool open = aim->openings && light_openings_face(aim->openings, d);
+    const float entering = open ? LIGHT_ENTERING : 0.0f;
     struct light_rays rays;
+    int chosen = -1;
     if (!light_aim_rays(aim, d, &rays)) return false;
-    const int chosen = light_rays_choose(&rays, &u2[0]);
-    if (!box_ray(scene, &aim->box[chosen], d, u2, ray)) return false;
+    if (u[0] < entering) {
+        const vec3 p = light_openings_point(aim->openings, d, u[0] / entering, u[1]);
+        *ray = (struct ray){v3_mad(p, -2.1f * scene->radius, d), 0.0f, d, INFINITY};
+    } else {
+        float u2[2] = {fminf((u[0] - entering) / (1.0f - entering), SAMPLE_BELOW_ONE), u[1]};
+        chosen = light_rays_choose(&rays, &u2[0]);
+        if (!box_ray(scene, &aim->box[chosen], d, u2, ray)) return false;
+    }
     *area = light_rays_area(&rays, 1e-5f * scene->radius, chosen, ray);
-    return *area > 0.0f;
+    if (!(*area > 0.0f)) return false;
+    if (open) {
+        const float boxes = (1.0f - entering) / *area;
+        *area = 1.0f / (boxes + entering * light_openings_density(aim->openings, ray));
+        out->entering = 1.0f / (*area * (boxes + entering * light_openings_most(aim->openings, d)));
+    }
+    return true;
 }
 
 static bool emit_directional(const struct satin_scene *scene, const struct light *light,
                              const struct light_aim *aim, const float u[4], struct light_ray *out) {
     float area;
-    if (!aim_ray(scene, aim, light->direction, u, &out->ray, &area)) return false;
+    if (!aim_ray(scene, aim, light->direction, u, out, &area)) return false;
     out->power = rgb_scale(light->value, area);
     return true;
 }
@@ -128,7 +144,7 @@ static bool emit_environment(const struct satin_scene *scene, const struct light
     float area;
     const uint32_t light = (uint32_t)scene->environment;
     if (!light_sample_wi(scene, light, v3(0, 0, 0), u[2], u[3], &s)) return false;
-    if (!aim_ray(scene, aim, v3_neg(s.wi), u, &out->ray, &area)) return false;
+    if (!aim_ray(scene, aim, v3_neg(s.wi), u, out, &area)) return false;
     out->power = rgb_scale(s.L, area / s.pdf_w);
     return true;
 }
@@ -136,8 +152,11 @@ static bool emit_environment(const struct satin_scene *scene, const struct light
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out) {
     const struct light *light = &scene->light[i];
-    const struct light_aim scene_box = {1, 1, {bounds_of_scene(scene)}};
-    if (!aim) aim = &scene_box;
+    const struct light_aim scene_box = {1, 1, {bounds_of_scene(scene)}, NULL};
+    const bool far = light->kind == LIGHT_DIRECTIONAL || light->kind == LIGHT_CONSTANT ||
+                     light->kind == LIGHT_ENVMAP;
+    if (!aim || (aim->openings && !far)) aim = &scene_box;
+    out->entering = 1.0f;
     switch (light->kind) {
         case LIGHT_AREA:
             return emit_area(scene, light, aim, u, out);

@@ -31,21 +31,29 @@ static float bin_width(const struct light_box *box, int axis) {
     return (v3_along(box->hi, axis) - v3_along(box->lo, axis)) / FACE_SIDE;
 }
 
+float light_box_bin_area(const struct light_box *box, int axis) {
+    return bin_width(box, (axis + 1) % 3) * bin_width(box, (axis + 2) % 3);
+}
+
 // Faces are numbered by the axis of their normals, the lower one first. Rows are along the next
 // axis, and bins of a row lie side by side along it.
-vec3 light_box_direction(const struct light_box *box, vec3 p, int bin, float u, float v,
-                         float *density) {
+vec3 light_box_point(const struct light_box *box, int bin, float u, float v) {
     const int face = bin / (FACE_SIDE * FACE_SIDE), row = bin / FACE_SIDE % FACE_SIDE,
               column = bin % FACE_SIDE;
     const int axis = face / 2, next = (axis + 1) % 3, last = (axis + 2) % 3;
-    const float side = bin_width(box, next), height = bin_width(box, last);
     float q[3];
     q[axis] = v3_along(face % 2 ? box->hi : box->lo, axis);
-    q[next] = v3_along(box->lo, next) + ((float)column + v) * side;
-    q[last] = v3_along(box->lo, last) + ((float)row + u) * height;
-    const vec3 d = v3_sub(v3(q[0], q[1], q[2]), move_inside(box, p));
+    q[next] = v3_along(box->lo, next) + ((float)column + v) * bin_width(box, next);
+    q[last] = v3_along(box->lo, last) + ((float)row + u) * bin_width(box, last);
+    return v3(q[0], q[1], q[2]);
+}
+
+vec3 light_box_direction(const struct light_box *box, vec3 p, int bin, float u, float v,
+                         float *density) {
+    const int axis = bin / (FACE_SIDE * FACE_SIDE) / 2;
+    const vec3 d = v3_sub(light_box_point(box, bin, u, v), move_inside(box, p));
     const float t2 = v3_dot(d, d), t = sqrtf(t2);
-    *density = t2 * t / (fabsf(v3_along(d, axis)) * side * height);
+    *density = t2 * t / (fabsf(v3_along(d, axis)) * light_box_bin_area(box, axis));
     return v3_mul(d, 1.0f / t);
 }
 
@@ -94,7 +102,7 @@ void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bin
     sample_cuts_build(out->row, ROWS, LIGHT_HISTOGRAM_CUTS, out->row_cut);
 }
 
-static float probability(const struct light_bins *bins, int row, int column) {
+float light_bins_probability(const struct light_bins *bins, int row, int column) {
     return (bins->row[row + 1] - bins->row[row]) *
            (bins->column[row][column + 1] - bins->column[row][column]);
 }
@@ -107,12 +115,12 @@ vec3 light_histogram_sample(const struct light_histogram *histogram, vec3 p, flo
     const int column = (int)sample_cdf(bins->column[row], FACE_SIDE, v, &v);
     float density;
     const vec3 w = light_box_direction(histogram->box, p, row * FACE_SIDE + column, u, v, &density);
-    *pdf_w = probability(bins, row, column) * density;
+    *pdf_w = light_bins_probability(bins, row, column) * density;
     return w;
 }
 
 float light_histogram_pdf(const struct light_histogram *histogram, vec3 p, vec3 w) {
     float density;
     const int bin = light_box_bin(histogram->box, p, w, &density);
-    return probability(histogram->bins, bin / FACE_SIDE, bin % FACE_SIDE) * density;
+    return light_bins_probability(histogram->bins, bin / FACE_SIDE, bin % FACE_SIDE) * density;
 }

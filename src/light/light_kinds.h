@@ -135,6 +135,18 @@ int light_rays_choose(const struct light_rays *rays, float *u);
 float light_rays_area(const struct light_rays *rays, float slack, int chosen,
                       const struct ray *ray);
 
+// ---- Openings (light_openings.c) ----------------------------------------------------------------
+
+// Whether light along d enters through any of them.
+bool light_openings_face(const struct light_openings *openings, vec3 d);
+// A point in the openings through which a ray along d enters the box, uniform over their projected
+// area, for a d that light_openings_face allows; the box is the scene's or within it.
+vec3 light_openings_point(const struct light_openings *openings, vec3 d, float u, float v);
+// The density of such rays over the projected area [m^-2]; 0 if the ray does not enter there.
+float light_openings_density(const struct light_openings *openings, const struct ray *ray);
+// The largest density of rays along d.
+float light_openings_most(const struct light_openings *openings, vec3 d);
+
 // Cones from a point to the boxes of an aim. The solid angle is INFINITY for a box at which the
 // light draws the direction itself, as its cone would be wider than what the light illuminates.
 struct light_cone {

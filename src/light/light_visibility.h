@@ -92,10 +92,14 @@ vec3 light_box_direction(const struct light_box *box, vec3 p, int bin, float u, 
                          float *density);
 // The bin of a direction (unit) from p, and the density by which light_box_direction draws it.
 int light_box_bin(const struct light_box *box, vec3 p, vec3 w, float *density);
+// The point in a bin by two numbers in [0, 1), and the area of each bin across an axis.
+vec3 light_box_point(const struct light_box *box, int bin, float u, float v);
+float light_box_bin_area(const struct light_box *box, int axis);
 // The bins around a bin on its face, and itself. Returns their number.
 int light_box_around(int bin, int around[9]);
 // Distributes samples over the bins in proportion to their weights, which are row by row.
 void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bins *out);
+float light_bins_probability(const struct light_bins *bins, int row, int column);
 // As light_sample_draw, light_sample_read and light_pdf for the environment, which must exist, at
 // p. A NULL histogram means that all of it is visible.
 bool light_environment_draw(const struct satin_scene *scene,

@@ -41,6 +41,8 @@ struct photon_request {
     struct photon_paths paths;
     // Where caustic paths start, from photon_emission_build; NULL: there is no caustic map.
     const struct guide_emission *emission;
+    // Where light from infinitely far comes in, for the paths of the global map; NULL: everywhere.
+    const struct light_aim *aim;
     // Whether the global map shall be traced again, by other paths, which are set; called with the
     // statistics of its first trace, or of its first batch. NULL: it never is.
     bool (*grow)(void *ctx, struct photon_paths *paths);

@@ -35,13 +35,14 @@ static float stored_power(const struct emission_tracing *t, size_t path, const f
     struct rng rng = rng_make(t->request->options->seed, RNG_EMISSION, path);
     const struct photon_path photon = {.ray = start.ray,
                                        .power = start.power,
+                                       .unit = rgb_max(start.power),
                                        .light = light,
                                        .chain = light_chain_begin(&start.ray),
                                        .classes = {1 << PHOTON_CAUSTIC},
                                        .wanted = 1 << PHOTON_CAUSTIC,
                                        .factor = {1.0f}};
     chunk->photons[0].count = 0;
-    photon_path_follow(scene, true, t->bounces, photon, &rng, chunk);
+    photon_path_follow(scene, true, t->bounces, NULL, photon, &rng, chunk);
     double squares = 0.0;
     for (size_t i = 0; i < chunk->photons[0].count; i++) {
         const struct photon_hit *hit = &chunk->photons[0].hit[i];

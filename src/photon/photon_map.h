@@ -111,6 +111,8 @@ struct photon_tracing {
     // Caustic pass: where paths start, and how many; paths end at their first smooth scattering.
     // NULL: a pass for all photons.
     const struct guide_emission *emission;
+    // Where light from infinitely far enters, for a pass for all photons; NULL: everywhere.
+    const struct light_aim *aim;
     // Paths of all batches of which this pass is one, each of which emits all light: its power is
     // that of its paths among them. 0: it is the only one.
     uint64_t batches;

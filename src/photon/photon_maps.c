@@ -99,7 +99,8 @@ static satin_status trace_paths(struct photon_pass *pass, struct photon_maps *ma
                      {.paths = pass->paths.direct,
                       .classes = 1 << PHOTON_DIRECT,
                       .allocation = &pass->allocation}},
-        .bounces = photon_bounces_left(o, photon_hit_depth(o))};
+        .bounces = photon_bounces_left(o, photon_hit_depth(o)),
+        .aim = pass->request->aim};
     return photon_map_trace(&pass->tracing, pass->pool, pass->log, pass->stats, &maps->global,
                             trace);
 }

@@ -15,6 +15,8 @@ enum {
     SPLIT_MOST = 64,
     SPLIT_PATH_MOST = 4096
 };
+// Photons with more than so many times the power they should have are split.
+#define STRONG 1.5f
 
 static bool append(struct photon_stored *photons, struct photon_hit hit, enum photon_class class) {
     void *items = photons->hit;
@@ -110,9 +112,9 @@ static bool stores_photons(const struct satin_scene *scene, const struct interac
 // The scene and what the paths of a chunk have in common.
 struct photon_walk {
     const struct satin_scene *scene;
-    unsigned lobes;  // that scatter
-    int bounces;     // the last one that is stored; < 0: no limit
-    float unit;      // the largest component of the power with which the path began
+    unsigned lobes;                         // that scatter
+    int bounces;                            // the last one that is stored; < 0: no limit
+    const struct light_openings *openings;  // towards which photons are scattered; may be NULL
     struct rng *rng;
     struct photon_chunk *chunk;
     struct photon_power *power;  // of the chunk's paths from the same light
@@ -132,36 +134,52 @@ static int split_count(const struct photon_walk *walk, const struct photon_surfa
     for (int i = 0; i < at->facets; i++)
         factor = fmaxf(factor, photon_factor_in(at, &at->facet[i].frame));
     const float power = rgb_max(photon->power) * factor;
-    if (power < 1.5f * walk->unit || *walk->parts >= SPLIT_PATH_MOST) return 1;
-    const int count = (int)fminf(rintf(power / walk->unit), SPLIT_MOST);
+    if (power < STRONG * photon->unit || *walk->parts >= SPLIT_PATH_MOST) return 1;
+    const int count = (int)fminf(rintf(power / photon->unit), SPLIT_MOST);
     *walk->parts += count;
     return count;
 }
 
-// Scatters the photon. False if it is absorbed, or refused because its power is not finite.
-static bool scatter(const struct photon_walk *walk, const struct photon_surface *at,
-                    struct photon_path *photon) {
-    struct photon_scattered to;
-    if (!photon_scatter(at, walk->lobes, walk->rng, &to)) return false;
-    const float factor_out = fabsf(v3_dot(to.wo, at->n)) / fabsf(v3_dot(to.wo, to.frame.n));
-    const rgb power = rgb_scale(rgb_mul(photon->power, to.sample.weight),
-                                photon_factor_in(at, &to.frame) * factor_out);
+// Scatters the photon to a direction that was drawn. False if it is absorbed, or refused because
+// its power is not finite.
+static bool scatter_to(const struct photon_walk *walk, const struct photon_surface *at,
+                       const struct photon_scattered *to, struct photon_path *photon) {
+    const float factor_out = fabsf(v3_dot(to->wo, at->n)) / fabsf(v3_dot(to->wo, to->frame.n));
+    const rgb power = rgb_scale(rgb_mul(photon->power, to->sample.weight),
+                                photon_factor_in(at, &to->frame) * factor_out);
     if (!rgb_finite(power)) {
         walk->chunk->refused++;
         return false;
     }
     const float after = rgb_max(power);
     if (!(after > 0.0f)) return false;
-    const float survival = fminf(after / walk->unit, 1.0f);
+    const float survival = fminf(after / photon->unit, 1.0f);
     if (rng_float(walk->rng) >= survival) return false;
-    if (!(to.sample.lobe & BRDF_DELTA))
+    if (!(to->sample.lobe & BRDF_DELTA))
         photon->class = PHOTON_INDIRECT;
     else if (photon->class == PHOTON_DIRECT)
         light_chain_pass(&photon->chain, walk->scene, at->s, at->wi,
-                         frame_to_local(&to.frame, at->wi), &to.sample);
+                         frame_to_local(&to->frame, at->wi), &to->sample);
     photon->power = rgb_scale(power, 1.0f / survival);
-    photon->ray = scene_spawn(walk->scene, at->s->p, at->s->ng, to.wo);
+    photon->ray = scene_spawn(walk->scene, at->s->p, at->s->ng, to->wo);
     return true;
+}
+
+// Scatters the photon. Directions to the openings are also drawn by `entering` other samples, and
+// weighted with these by the balance heuristic.
+static bool scatter(const struct photon_walk *walk, const struct photon_surface *at, int entering,
+                    struct photon_path *photon) {
+    struct photon_scattered to;
+    if (!photon_scatter(at, walk->lobes, walk->rng, &to)) return false;
+    if (entering > 0 && !(to.sample.lobe & BRDF_DELTA)) {
+        const float aimed = light_openings_pdf(walk->openings, at->s->p, to.wo);
+        if (aimed > 0.0f) {
+            const float own = photon_scatter_pdf(at, to.wo);
+            photon->power = rgb_scale(photon->power, own / (own + (float)entering * aimed));
+            photon->unit = photon->entering;
+        }
+    }
+    return scatter_to(walk, at, &to, photon);
 }
 
 // Stores the photon where it hits. False if it ends there.
@@ -185,19 +203,61 @@ static bool arrive(const struct photon_walk *walk, struct photon_path *photon, i
     return false;
 }
 
+// ---- Openings -----------------------------------------------------------------------------------
+
+static void follow(const struct photon_walk *walk, struct photon_path photon, int bounce);
+
+// The number of samples of directions to the openings: that of photons which arrive there, if all
+// of them are visible and nothing else is. 0: it is not one of the strong photons outside.
+static int entering_count(const struct photon_walk *walk, const struct photon_surface *at,
+                          const struct photon_path *photon) {
+    if (!walk->openings || !(photon->unit > STRONG * photon->entering)) return 0;
+    const struct brdf *brdf = &at->facet[0].brdf;
+    if (!(brdf_lobes(brdf) & BRDF_SMOOTH) || brdf_transmits(brdf)) return 0;
+    if (!light_openings_faced(walk->openings, at->s->p)) return 0;
+    const vec3 w = light_openings_direction(walk->openings, at->s->p, 0.5f, 0.5f);
+    const float pdf = light_openings_pdf(walk->openings, at->s->p, w);
+    const float fraction = pdf > 0.0f ? fminf(1.0f / (PI_F * pdf), 1.0f) : 1.0f;
+    const float count = ceilf(rgb_max(photon->power) * fraction / photon->entering);
+    return (int)fminf(fmaxf(count, 1.0f), SPLIT_MOST);
+}
+
+// Scatters a photon to the openings, and follows what comes in there.
+static void follow_entering(const struct photon_walk *walk, const struct photon_surface *at,
+                            int count, const struct photon_path *photon, int bounce) {
+    for (int i = 0; i < count; i++) {
+        struct photon_path entering = *photon;
+        struct photon_scattered to;
+        const float u = rng_float(walk->rng), v = rng_float(walk->rng);
+        to.wo = light_openings_direction(walk->openings, at->s->p, u, v);
+        const float aimed = light_openings_pdf(walk->openings, at->s->p, to.wo);
+        const float pdf = (float)count * aimed + photon_scatter_pdf(at, to.wo);
+        entering.unit = photon->entering;
+        if (!(aimed > 0.0f) || !photon_scatter_along(at, pdf, &to) ||
+            !scatter_to(walk, at, &to, &entering))
+            continue;
+        walk->power->absorbed -= luminous(&entering);
+        follow(walk, entering, bounce + 1);
+    }
+}
+
+// ---- The whole path -----------------------------------------------------------------------------
+
 static void follow(const struct photon_walk *walk, struct photon_path photon, int bounce) {
     const int most = walk->bounces < 0 ? BOUNCES_MAX : walk->bounces;
     for (; bounce <= most; bounce++) {
         struct interaction s;
         struct photon_surface at;
         if (!arrive(walk, &photon, bounce, &at, &s)) return;
+        const int entering = entering_count(walk, &at, &photon);
+        if (entering > 0) follow_entering(walk, &at, entering, &photon, bounce);
         const int count = split_count(walk, &at, &photon);
         photon.power = rgb_scale(photon.power, 1.0f / (float)count);
         const double before = luminous(&photon);
         bool goes_on = false;
         for (int i = 0; i < count; i++) {
             struct photon_path scattered = photon;
-            goes_on = scatter(walk, &at, &scattered);
+            goes_on = scatter(walk, &at, entering, &scattered);
             walk->power->absorbed += goes_on ? before - luminous(&scattered) : before;
             if (i == count - 1)
                 photon = scattered;
@@ -210,12 +270,13 @@ static void follow(const struct photon_walk *walk, struct photon_path photon, in
 }
 
 void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
-                        struct photon_path photon, struct rng *rng, struct photon_chunk *chunk) {
+                        const struct light_openings *openings, struct photon_path photon,
+                        struct rng *rng, struct photon_chunk *chunk) {
     int parts = 0;
     const struct photon_walk walk = {.scene = scene,
                                      .lobes = caustic ? BRDF_DELTA : BRDF_ALL,
                                      .bounces = bounces,
-                                     .unit = rgb_max(photon.power),
+                                     .openings = openings,
                                      .rng = rng,
                                      .chunk = chunk,
                                      .power = &chunk->power[photon_power_index(photon.light)],

@@ -25,6 +25,8 @@ struct photon_chunk {
 struct photon_path {
     struct ray ray;
     rgb power;
+    float unit;       // the power at which it goes on for sure when it scatters, largest component
+    float entering;   // that of photons through the openings of the aim; at most `unit`
     uint32_t light;   // index of the light that emitted it
     uint8_t bounces;  // these as in photon_hit
     bool last;
@@ -44,7 +46,10 @@ void photon_start_numbers(const struct photon_tracing *tracing, uint32_t light, 
 // Follows the photon through the scene and appends what it stores to the chunk, until it is
 // absorbed, has no more bounces (< 0: no limit) or, of a caustic pass, meets a surface without
 // delta lobes. What becomes of its power is added to that of the chunk, but for the emission.
+// Towards the openings, which may be NULL, photons are scattered
+// with the power of those that come in there.
 void photon_path_follow(const struct satin_scene *scene, bool caustic, int bounces,
-                        struct photon_path photon, struct rng *rng, struct photon_chunk *chunk);
+                        const struct light_openings *openings, struct photon_path photon,
+                        struct rng *rng, struct photon_chunk *chunk);
 
 #endif

@@ -121,8 +121,7 @@ static bool is_shown(const struct photon_surface *at, const struct photon_facet 
     return true;
 }
 
-// Evaluates the smooth lobes for a direction that was drawn with this density.
-static bool weight_smooth(const struct photon_surface *at, float pdf,
+bool photon_scatter_along(const struct photon_surface *at, float pdf,
                           struct photon_scattered *out) {
     struct photon_facet shown;
     const struct photon_facet *facet = &at->facet[0];
@@ -144,6 +143,11 @@ static bool weight_smooth(const struct photon_surface *at, float pdf,
     return true;
 }
 
+static float tilted_pdf(const struct photon_surface *at, vec3 wo) {
+    const float by_surface = fmaxf(v3_dot(wo, at->n) / PI_F, 0.0f);
+    return 0.5f * (facets_pdf(at, wo) + by_surface);
+}
+
 // The cosine about a tilted normal is small where that about the surface's need not be, and their
 // ratio has no limit. So half of the directions of smooth lobes are drawn by the cosine about the
 // surface's normal.
@@ -160,9 +164,8 @@ static bool draw_tilted(const struct photon_surface *at, vec3 u, struct photon_s
             return is_shown(at, facet, out);
         }
     }
-    const float by_surface = fmaxf(v3_dot(out->wo, at->n) / PI_F, 0.0f);
-    const float pdf = 0.5f * (facets_pdf(at, out->wo) + by_surface);
-    return pdf > 0.0f && weight_smooth(at, pdf, out);
+    const float pdf = tilted_pdf(at, out->wo);
+    return pdf > 0.0f && photon_scatter_along(at, pdf, out);
 }
 
 // Whether directions are drawn about the surface's normal too: where a photon meets a smooth lobe
@@ -181,4 +184,8 @@ bool photon_scatter(const struct photon_surface *at, unsigned lobes, struct rng 
     if (is_tilted(at, lobes)) return draw_tilted(at, u, out);
     const struct photon_facet *facet = draw_lobe(at, lobes, u, out);
     return facet && is_shown(at, facet, out);
+}
+
+float photon_scatter_pdf(const struct photon_surface *at, vec3 wo) {
+    return is_tilted(at, BRDF_ALL) ? tilted_pdf(at, wo) : facets_pdf(at, wo);
 }

@@ -40,5 +40,10 @@ float photon_factor_in(const struct photon_surface *at, const struct frame *fram
 // Draws the direction of a photon by these lobes, BRDF_ALL or BRDF_DELTA. False if it is absorbed.
 bool photon_scatter(const struct photon_surface *at, unsigned lobes, struct rng *rng,
                     struct photon_scattered *out);
+// The density of wo by the smooth lobes of all that photon_scatter draws [sr^-1].
+float photon_scatter_pdf(const struct photon_surface *at, vec3 wo);
+// Evaluates the smooth lobes for a direction out->wo that was drawn with this density. False if
+// nothing is scattered there. For a surface that does not transmit.
+bool photon_scatter_along(const struct photon_surface *at, float pdf, struct photon_scattered *out);
 
 #endif

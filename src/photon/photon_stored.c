@@ -68,7 +68,8 @@ satin_status photon_count_stored(const struct photon_request *request, struct pa
         .scene = request->scene,
         .seed = request->options->seed,
         .consumer = {{.paths = BOUNCES_PATHS, .classes = all}},
-        .bounces = photon_bounces_left(request->options, photon_hit_depth(request->options))};
+        .bounces = photon_bounces_left(request->options, photon_hit_depth(request->options)),
+        .aim = request->aim};
     struct photon_trace trace;
     const satin_status status = trace_pilot(&tracing, pool, log, &trace);
     if (status == SATIN_OK) *per_path = stored_per_path(&trace, all);
@@ -87,7 +88,8 @@ satin_status photon_memory_measure(const struct photon_request *request, struct 
         .scene = request->scene,
         .seed = o->seed,
         .consumer = {{.paths = PILOT_PATHS, .classes = all, .allocation = &allocation}},
-        .bounces = photon_bounces_left(o, photon_hit_depth(o))};
+        .bounces = photon_bounces_left(o, photon_hit_depth(o)),
+        .aim = request->aim};
     struct photon_trace global, caustic = {0};
     satin_status status = trace_pilot(&tracing, pool, log, &global);
     if (status == SATIN_OK && request->paths.caustic)

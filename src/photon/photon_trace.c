@@ -91,7 +91,7 @@ static bool start_path(const struct run *run, uint32_t light, uint64_t index,
     const struct photon_tracing *tracing = run->tracing;
     float u[4], factor = 1.0f;
     photon_start_numbers(tracing, light, index, u);
-    const struct light_aim *aim = NULL;
+    const struct light_aim *aim = tracing->aim;
     if (tracing->emission) {
         factor =
             guide_emission_warp(tracing->emission, tracing->consumer[0].paths, light, index, u);
@@ -100,8 +100,11 @@ static bool start_path(const struct run *run, uint32_t light, uint64_t index,
     struct light_ray start;
     if (!light_emit(tracing->scene, light, aim, u, &start)) return false;
     const float paths = (float)(run->first[light + 1] - run->first[light]);
+    const rgb power = rgb_scale(start.power, factor / paths);
     *photon = (struct photon_path){.ray = start.ray,
-                                   .power = rgb_scale(start.power, factor / paths),
+                                   .power = power,
+                                   .unit = rgb_max(power),
+                                   .entering = start.entering * rgb_max(power),
                                    .light = light,
                                    .chain = light_chain_begin(&start.ray)};
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
@@ -130,8 +133,8 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
         if (!start_path(run, light, path - run->first[light], &photon, &chunk->refused)) continue;
         photon.path = (uint8_t)(rng_mix(path) >> 58);
         chunk->power[photon_power_index(light)].emitted += (double)rgb_luminance(photon.power);
-        photon_path_follow(tracing->scene, tracing->emission != NULL, tracing->bounces, photon,
-                           &rng, chunk);
+        photon_path_follow(tracing->scene, tracing->emission != NULL, tracing->bounces,
+                           tracing->aim ? tracing->aim->openings : NULL, photon, &rng, chunk);
     }
     // The kd-tree numbers photons by int.
     size_t own = 0;

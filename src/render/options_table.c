@@ -146,7 +146,8 @@ const struct option options_table[] = {
      "traced with the others, which have other paths then."},
     {"guide-visibility", OPTION_BOOL, AT(guide_visibility), false, "off|on",
      "Samples direct light by the fraction of each light that is visible near the point, for "
-     "example of the sky through windows. It has an effect with integrator two-pass."},
+     "example of the sky through windows, and starts photons of the sky and of the sun through "
+     "these openings. It has an effect with integrator two-pass."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
      "Averages bitmaps over the footprint of an eye ray or gather ray, and widens glossy lobes at "
      "the hits of a record's rays to the solid angle for which the ray stands. Integrator path "

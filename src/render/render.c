@@ -39,8 +39,9 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
 // there is no time for that, paths are traced instead.
 static satin_status first_pass(struct render *r) {
     if (!render_has_stage(r, STAGE_PHOTONS)) return SATIN_OK;
-    satin_status status = render_reduce_photons(r);
     render_stage_begin(r, STAGE_PHOTONS, (double)(r->options.photons + r->options.caustic_photons));
+    satin_status status = render_visibility(r);
+    if (status == SATIN_OK) status = render_reduce_photons(r);
     if (status == SATIN_OK) status = render_memory_photons(r);
     if (status == SATIN_OK) status = render_photons(r);
     const bool paths = r->progress.course == COURSE_PATHS;

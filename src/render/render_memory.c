@@ -204,8 +204,10 @@ satin_status render_memory_photons(struct render *r) {
     struct render_memory *m = &r->memory;
     satin_options *o = &r->options;
     if (m->limit == 0.0 || !render_has_stage(r, STAGE_PHOTONS)) return SATIN_OK;
-    const struct photon_request request = {
-        .scene = &r->scene, .options = o, .paths = render_budget_paths(o, render_core_seconds(r))};
+    const struct photon_request request = {.scene = &r->scene,
+                                           .options = o,
+                                           .paths = render_budget_paths(o, render_core_seconds(r)),
+                                           .aim = guide_visibility_aim(r->first_pass.visibility)};
     const satin_status status = photon_memory_measure(&request, r->pool, r->log, &m->per_path);
     if (status != SATIN_OK) return status;
     const double fraction = counts_that_fit(r, NONE, ALL).fraction;

@@ -10,15 +10,29 @@ static bool reads_photons(const satin_options *o) {
            o->first_pass == SATIN_FIRST_PHOTONS;
 }
 
-static satin_status build_visibility(struct render *r) {
-    if (!r->options.guide_visibility || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
+// With a time limit, the first photons and what they need have a part of it. If that is too short,
+// paths are traced instead.
+static void begin_pilot(struct render *r) {
+    if (r->options.time > 0.0 && render_can_trace_paths(r)) render_limit_photon_pilot(r);
+}
+
+static satin_status end_pilot(struct render *r, satin_status status) {
+    if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
+    return render_limit_end(r, status);
+}
+
+satin_status render_visibility(struct render *r) {
+    if (!r->options.guide_visibility || r->options.integrator != SATIN_TWO_PASS ||
+        r->first_pass.visibility)
+        return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "visibility");
-    satin_status status = guide_visibility_build(
+    begin_pilot(r);
+    const satin_status status = guide_visibility_build(
         &r->scene, r->options.seed, render_budget_visibility(&r->options, render_core_seconds(r)),
         r->pool, &r->first_pass.visibility);
     stats_add(&r->stats, "photons.visibility_s", stats_wall() - start);
-    return status;
+    return end_pilot(r, status);
 }
 
 satin_status render_photon_emission(struct render *r, struct photon_request *request) {
@@ -33,13 +47,6 @@ satin_status render_photon_emission(struct render *r, struct photon_request *req
     }
     request->emission = r->first_pass.emission;
     return status;
-}
-
-static void free_maps(struct render *r) {
-    photon_maps_free(r->first_pass.maps);
-    guide_visibility_free(r->first_pass.visibility);
-    r->first_pass.maps = NULL;
-    r->first_pass.visibility = NULL;
 }
 
 // The factor by which the photons of the global map should grow, after so many paths were traced.
@@ -88,32 +95,26 @@ satin_status render_photon_maps(struct render *r, const struct render_photon_cou
     struct photon_request request = {.scene = &r->scene,
                                      .options = &o,
                                      .paths = render_budget_paths(&o, render_core_seconds(r)),
+                                     .aim = guide_visibility_aim(r->first_pass.visibility),
                                      .grow = final ? grow_paths : NULL,
                                      .grow_ctx = r};
     satin_status status = render_photon_emission(r, &request);
     if (status == SATIN_OK)
         status = photon_maps_build(&request, r->pool, r->log, &r->stats, &r->first_pass.maps);
-    if (status == SATIN_OK && !r->first_pass.visibility) status = build_visibility(r);
-    if (status != SATIN_OK)
-        free_maps(r);
-    else
+    if (status == SATIN_OK)
         stats_add(&r->stats, "photons.bytes",
                   (double)guide_visibility_bytes(r->first_pass.visibility));
     return status;
 }
 
 void render_drop_photons(struct render *r, struct stats before) {
-    static const char *const kept[] = {"photons.visibility_s", "photons.emission_s"};
-    const struct stats last = r->stats;
+    const double emission = stats_get(&r->stats, "photons.emission_s");
     photon_maps_free(r->first_pass.maps);
     photon_sppm_free(r->first_pass.sppm);
     r->first_pass.maps = NULL;
     r->first_pass.sppm = NULL;
     r->stats = before;
-    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) {
-        const double seconds = stats_get(&last, kept[i]);
-        if (seconds > 0.0) stats_set(&r->stats, kept[i], seconds);
-    }
+    if (emission > 0.0) stats_set(&r->stats, "photons.emission_s", emission);
 }
 
 double render_photon_seconds(const struct render *r) {
@@ -156,12 +157,10 @@ static satin_status build_some(struct render *r, double fraction, double most) {
     return status;
 }
 
-// Builds the maps from the first photons. If there was no time for them, paths are traced instead.
+// Builds the maps from the first photons.
 static satin_status build_first(struct render *r, double fraction) {
-    if (render_can_trace_paths(r)) render_limit_photon_pilot(r);
-    const satin_status status = build_some(r, fraction, 1.0);
-    if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
-    return render_limit_end(r, status);
+    begin_pilot(r);
+    return end_pilot(r, build_some(r, fraction, 1.0));
 }
 
 satin_status render_pass_photons(struct render *r) {
@@ -188,7 +187,8 @@ static const double STORED_MOST = 16.0;
 satin_status render_reduce_photons(struct render *r) {
     satin_options *o = &r->options;
     if (r->first_pass.photons_chosen || !reads_photons(o)) return SATIN_OK;
-    const struct photon_request request = {.scene = &r->scene, .options = o};
+    const struct photon_request request = {
+        .scene = &r->scene, .options = o, .aim = guide_visibility_aim(r->first_pass.visibility)};
     double stored = 0.0;
     const satin_status status = photon_count_stored(&request, r->pool, r->log, &stored);
     if (status != SATIN_OK || stored <= STORED_MOST) return status;
@@ -231,6 +231,7 @@ static satin_status build_unlimited(struct render *r) {
 }
 
 satin_status render_photons(struct render *r) {
+    if (!render_has_stage(r, STAGE_PHOTONS)) return SATIN_OK;
     if (r->options.integrator != SATIN_TWO_PASS) return render_fit_photons(r);
     if (!(r->options.time > 0.0)) return build_unlimited(r);
     const struct stats before = r->stats;

@@ -261,6 +261,8 @@ struct render *render_forecast_new(struct render *r, satin_options *small);
 void render_forecast_take(struct render *r, const struct render *small);
 
 // ---- render_photons.c
+// Finds where the lights are visible, once. Without time for that, the course becomes COURSE_PATHS.
+satin_status render_visibility(struct render *r);
 // Reduces the photons that a quality has chosen if their paths have very many bounces.
 satin_status render_reduce_photons(struct render *r);
 // Traces as many photons as a time limit allows, and makes the first-pass radiance estimate. If

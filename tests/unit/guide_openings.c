@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photons through openings: with more of them where a room is lit through a slit, the same light
+// arrives, from the sky and from the ground outside.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "guide/guide_visibility.h"
+#include "photon/photon_map.h"
+#include "test_scene.h"
+
+// A room with a slit (test_slit_room) on a ground of +-20, under a sky or a low sun that shines
+// into the slit.
+static void room_on_ground(struct test_scene *t, enum light_kind kind) {
+    test_scene_init(t);
+    test_slit_room(t, true);
+    test_rectangle(t, test_transform(v3(0, 0, -2), v3(20, 20, 1)),
+                   test_diffuse(t, 0.6f, 0.6f, 0.6f));
+    test_light(t, (struct light){.kind = LIGHT_CONSTANT,
+                                 .value = rgb_grey(kind == LIGHT_CONSTANT ? 1.0f : 0.01f)});
+    if (kind == LIGHT_DIRECTIONAL)
+        test_light(t, (struct light){.kind = LIGHT_DIRECTIONAL,
+                                     .direction = v3_unit(v3(-1, 0.1f, -0.4f)),
+                                     .value = rgb_grey(3.0f)});
+    test_scene_finish(t);
+    test_look_down(t);
+}
+
+static struct guide_visibility *learn_visibility(const struct test_scene *t) {
+    const struct guide_visibility_samples samples = {
+        .paths = 4096, .box_rays = 8, .bin_rays = 3, .open_bins = 1024, .light_rays = 32};
+    struct parallel *pool = parallel_new(2);
+    struct guide_visibility *visibility = NULL;
+    assert_int_equal(guide_visibility_build(&t->scene, 0, samples, pool, &visibility), SATIN_OK);
+    parallel_free(pool);
+    return visibility;
+}
+
+static struct photon_trace trace_aimed(const struct test_scene *t, const struct light_aim *aim,
+                                       uint64_t seed, uint64_t paths, int threads) {
+    struct parallel *pool = parallel_new(threads);
+    const unsigned all = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT;
+    const struct photon_tracing tracing = {.scene = &t->scene,
+                                           .seed = seed,
+                                           .consumer = {{.paths = paths, .classes = all}},
+                                           .bounces = -1,
+                                           .aim = aim};
+    struct photon_trace out[PHOTON_CONSUMERS];
+    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, out), SATIN_OK);
+    parallel_free(pool);
+    return out[0];
+}
+
+// What arrives in the room, and how many photons bring it: directly, and after other bounces.
+struct arrived {
+    double flux[2];
+    size_t count;
+};
+
+static struct arrived arrive_in_room(const struct photon_trace *photons) {
+    struct arrived sum = {{0.0}, 0};
+    for (size_t i = 0; i < photons->count; i++) {
+        const struct photon_hit *hit = &photons->hit[i];
+        const vec3 p = v3_mad(hit->p, 0.01f, photon_unpack(hit->n));
+        if (v3_max_abs(p) > 1.0f) continue;
+        sum.flux[hit->indirect] += (double)hit->power.g;
+        sum.count++;
+    }
+    return sum;
+}
+
+// The mean flux of passes with different seeds, and the variance of this mean.
+static void repeat(const struct test_scene *t, const struct light_aim *aim, uint64_t paths,
+                   double mean[2], double variance[2], size_t *count) {
+    enum { PASSES = 24 };
+    double sum[2] = {0.0}, squares[2] = {0.0};
+    *count = 0;
+    for (uint64_t seed = 0; seed < PASSES; seed++) {
+        struct photon_trace photons = trace_aimed(t, aim, seed, paths, 2);
+        const struct arrived in = arrive_in_room(&photons);
+        for (int k = 0; k < 2; k++) {
+            sum[k] += in.flux[k];
+            squares[k] += in.flux[k] * in.flux[k];
+        }
+        *count += in.count;
+        photon_trace_free(&photons);
+    }
+    for (int k = 0; k < 2; k++) {
+        mean[k] = sum[k] / PASSES;
+        variance[k] = (squares[k] / PASSES - mean[k] * mean[k]) / (PASSES - 1);
+    }
+}
+
+static void as_much_light_arrives_with_less_noise(void **state) {
+    static const enum light_kind KINDS[] = {LIGHT_CONSTANT, LIGHT_DIRECTIONAL};
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        struct test_scene t;
+        room_on_ground(&t, KINDS[kind]);
+        struct guide_visibility *visibility = learn_visibility(&t);
+        const struct light_aim *aim = guide_visibility_aim(visibility);
+        assert_non_null(aim);
+        double plain[2], aimed[2], plain2[2], aimed2[2];
+        size_t few, many;
+        repeat(&t, NULL, 200000, plain, plain2, &few);
+        repeat(&t, aim, 20000, aimed, aimed2, &many);
+        printf("photons %zu, %zu of a tenth of the paths\n", few, many);
+        for (int k = 0; k < 2; k++) {
+            printf("%s: %.4f +- %.4f, aimed %.4f +- %.4f\n", k ? "indirect" : "direct", plain[k],
+                   sqrt(plain2[k]), aimed[k], sqrt(aimed2[k]));
+            assert_true(plain[k] > 0.0 &&
+                        fabs(plain[k] - aimed[k]) < 4.0 * sqrt(plain2[k] + aimed2[k]));
+            // With as many paths, the variance would be a tenth.
+            assert_true(aimed2[k] < 2.0 * plain2[k]);
+        }
+        assert_true((double)many > 3.0 * (double)few);
+        guide_visibility_free(visibility);
+        test_scene_free(&t);
+    }
+}
+
+// The power of all photons is that of the light, and all of it is accounted for.
+static void the_power_is_that_of_the_sky(void **state) {
+    (void)state;
+    struct test_scene t;
+    room_on_ground(&t, LIGHT_CONSTANT);
+    struct guide_visibility *visibility = learn_visibility(&t);
+    struct photon_trace photons = trace_aimed(&t, guide_visibility_aim(visibility), 1, 200000, 2);
+    const struct photon_power power = photons.power[0];
+    assert_true(fabs(power.emitted / (double)t.scene.light[0].power - 1.0) < 0.01);
+    assert_true(fabs(power.absorbed + power.escaped + power.ended - power.emitted) <
+                1e-4 * power.emitted);
+    photon_trace_free(&photons);
+    guide_visibility_free(visibility);
+    test_scene_free(&t);
+}
+
+static void threads_do_not_change_openings(void **state) {
+    (void)state;
+    struct test_scene t;
+    room_on_ground(&t, LIGHT_CONSTANT);
+    struct guide_visibility *visibility = learn_visibility(&t);
+    const struct light_aim *aim = guide_visibility_aim(visibility);
+    struct photon_trace one = trace_aimed(&t, aim, 1, 20000, 1),
+                        three = trace_aimed(&t, aim, 1, 20000, 3);
+    assert_int_equal(one.count, three.count);
+    assert_memory_equal(one.hit, three.hit, one.count * sizeof *one.hit);
+    photon_trace_free(&one);
+    photon_trace_free(&three);
+    guide_visibility_free(visibility);
+    test_scene_free(&t);
+}
+
+// Openings get photons only if they are smaller than the scene. Around a small box in it, boxes
+// grow up to half of the scene's area.
+static void openings_are_small(void **state) {
+    (void)state;
+    struct test_scene t;
+    room_on_ground(&t, LIGHT_CONSTANT);
+    const struct light_box room = light_box_make(v3(-1, -1, -1), v3(1, 1, 1)),
+                           large = light_box_make(v3(-30, -30, -2), v3(30, 30, 10));
+    static float none[LIGHT_HISTOGRAM_BINS], all[LIGHT_HISTOGRAM_BINS];
+    struct light_openings openings;
+    struct light_aim aim;
+    for (int i = 0; i < LIGHT_HISTOGRAM_BINS; i++) all[i] = 0.5f;
+    guide_openings_make(&t.scene, &room, none, &openings, &aim);
+    assert_null(aim.openings);
+    guide_openings_make(&t.scene, &large, all, &openings, &aim);
+    assert_null(aim.openings);
+    guide_openings_make(&t.scene, &room, all, &openings, &aim);
+    assert_ptr_equal(aim.openings, &openings);
+    assert_true(fabsf(openings.area - 24.0f) < 1e-3f);
+    assert_true(aim.count > 3 && aim.covers == 1);
+    for (int i = 1; i < aim.count; i++) {
+        assert_true(light_box_area(&aim.box[i]) < 0.5f * light_box_area(&aim.box[0]));
+        assert_true(i == 1 || light_box_area(&aim.box[i]) > light_box_area(&aim.box[i - 1]));
+    }
+    test_scene_free(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(as_much_light_arrives_with_less_noise),
+        cmocka_unit_test(the_power_is_that_of_the_sky),
+        cmocka_unit_test(threads_do_not_change_openings),
+        cmocka_unit_test(openings_are_small),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
