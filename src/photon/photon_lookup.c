@@ -37,12 +37,22 @@ bool photon_irradiance_visible(const struct photon_irradiance *r, const struct s
     return !(ray_to_position(position, scene, p, n, &ray) && scene_occluded(scene, &ray));
 }
 
+// Whether p is on the surface around entry i that no wall and no edge cuts: as near as that, and
+// not on another surface above or beneath it, such as a floor over the ground outside.
+static bool is_on_clear_surface(const struct photon_positions *positions, size_t i, vec3 position,
+                                vec3 p) {
+    const float *m = positions->row + 6 * i + 3;
+    const float clear = positions->clear[i], d2 = v3_dist2(position, p),
+                height = v3_dot(v3_sub(p, position), v3(m[0], m[1], m[2])) / positions->scale;
+    return d2 <= clear * clear && height * height <= sqrf(SCENE_LIFT) * d2;
+}
+
 // Makes the ray from p to position i. False if nothing can be between them.
 static bool ray_to_entry(const struct photon_positions *positions, const struct satin_scene *scene,
                          size_t i, vec3 p, vec3 n, struct ray *out) {
     const vec3 position = photon_entry_position(positions, i);
-    const float clear = positions->clear[i];
-    return v3_dist2(position, p) > clear * clear && ray_to_position(position, scene, p, n, out);
+    return !is_on_clear_surface(positions, i, position, p) &&
+           ray_to_position(position, scene, p, n, out);
 }
 
 bool photon_entry_position_hidden(const struct photon_positions *positions,

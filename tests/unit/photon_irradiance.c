@@ -105,8 +105,52 @@ static void few_paths_are_not_read(void **state) {
     test_scene_free(&t);
 }
 
+// A floor behind a wall, over a ground that begins a twentieth lower and goes on outside, where a
+// lamp lights it: the wall does not go down to the ground, but the floor is between.
+static void floor_does_not_read_the_ground(void **state) {
+    (void)state;
+    enum { POINTS = 64 };
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    const struct mat4 across = mat4_rotate(v3(0, 1, 0), 90.0f),
+                      wall = test_transform(v3(1, 0, 1), v3(1, 4, 1));
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 4, 1)), grey);
+    test_rectangle(&t, test_transform(v3(0, 0, -0.05f), v3(4, 4, 1)), grey);
+    test_rectangle(&t, mat4_mul(&wall, &across), grey);
+    test_light(&t, (struct light){
+                       .kind = LIGHT_POINT, .position = v3(2.5f, 0, 1), .value = rgb_grey(10.0f)});
+    test_scene_finish(&t);
+    satin_options o = satin_options_default;
+    o.photons = 100000;
+    o.caustic_photons = 0;
+    o.gather_direct = false;
+    struct stats stats = {0};
+    struct photon_maps *maps = NULL;
+    struct parallel *pool = parallel_new(2);
+    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
+    double inside = 0.0, outside = 0.0;
+    for (int i = 0; i < POINTS; i++) {
+        const vec2 u = sample_sobol2((uint32_t)i, 0);
+        const float along = 0.01f + 0.2f * u.x, y = u.y - 0.5f;
+        float radius;
+        inside += (double)photon_irradiance_at(maps, &t.scene, v3(1 - along, y, 0), v3(0, 0, 1),
+                                               &radius, NULL)
+                      .g;
+        outside += (double)photon_irradiance_at(maps, &t.scene, v3(1 + along, y, -0.05f),
+                                                v3(0, 0, 1), &radius, NULL)
+                       .g;
+    }
+    print_message("inside %.4f of outside\n", inside / outside);
+    assert_true(outside > 0.1 * POINTS && inside < 0.02 * outside);
+    photon_maps_free(maps);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(radius_does_not_follow_noise),
-                                       cmocka_unit_test(few_paths_are_not_read)};
+                                       cmocka_unit_test(few_paths_are_not_read),
+                                       cmocka_unit_test(floor_does_not_read_the_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
