@@ -50,6 +50,9 @@ struct learning {
     // + bins c, and for range g at cells + g instead of c.
     float *square;
     uint8_t *traced;
+    // For range g and bin b, at b + bins g: whether the environment is visible there from points in
+    // the box.
+    uint8_t *entered;
     // For each range the fraction of the environment that points face but that is hidden from them.
     float hidden[GUIDE_RANGES];
     bool *open;  // for each bin, whether cells trace rays through it
@@ -61,9 +64,15 @@ struct learning {
 // visible, and of all that the points face.
 struct sky_tally {
     float visible, facing;
+    bool entered;  // whether it is visible in the last bin from points in the box
 };
 
 static size_t learned_at(size_t i, size_t bin) { return LIGHT_HISTOGRAM_BINS * i + bin; }
+
+static bool is_in_box(const struct light_box *box, vec3 p) {
+    return p.x >= box->lo.x && p.y >= box->lo.y && p.z >= box->lo.z && p.x <= box->hi.x &&
+           p.y <= box->hi.y && p.z <= box->hi.z;
+}
 
 // Traces rays from the points through a bin, at most one per point. Stores the sum of the squares
 // of what the bin contributes to E, radiance times cosine times solid angle, and their number.
@@ -72,6 +81,7 @@ static void trace_bin(struct learning *l, size_t i, const struct guide_cell *cel
     const size_t first = rng_u32(rng) % cell->count;
     const size_t rays = cell->count < (size_t)wanted ? cell->count : (size_t)wanted;
     float squares = 0.0f;
+    tally->entered = false;
     for (size_t k = 0; k < rays; k++) {
         const struct guide_cell_point *p = &cell->point[(first + k) % cell->count];
         const float u = rng_float(rng), v = rng_float(rng);
@@ -84,6 +94,7 @@ static void trace_bin(struct learning *l, size_t i, const struct guide_cell *cel
         struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
         if (!light_arrives(l->scene, p->p, p->ng, INT_MAX, &sample)) continue;
         tally->visible += sqrtf(L) / density;
+        tally->entered |= is_in_box(&l->visibility->box, p->p);
         squares += sqrf(L * v3_dot(w, p->n) / density);
     }
     l->square[learned_at(i, (size_t)bin)] = squares;
@@ -100,9 +111,11 @@ static struct guide_cell range_points(const struct learning *l, size_t g) {
 
 static void trace_range(struct learning *l, size_t g, struct rng *rng) {
     const struct guide_cell points = range_points(l, g);
-    struct sky_tally tally = {0.0f, 0.0f};
-    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
+    struct sky_tally tally = {0.0f, 0.0f, false};
+    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
         trace_bin(l, l->cells + g, &points, bin, l->samples.bin_rays, rng, &tally);
+        l->entered[learned_at(g, (size_t)bin)] = tally.entered;
+    }
     l->hidden[g] = tally.visible > 0.0f ? 1.0f - tally.visible / tally.facing : 1.0f;
 }
 
@@ -118,14 +131,16 @@ static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// The openings for photons are the bins in which some range has found the environment.
+// The openings for photons are the bins in which some range has found the environment from points
+// in the box: light that comes in there arrives at these. Bins that are open from points outside it
+// alone, such as the ground before a window, count as those beside the open ones.
 static void find_openings(const struct learning *l) {
     struct guide_visibility *visibility = l->visibility;
     float weight[LIGHT_HISTOGRAM_BINS];
     for (size_t bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
         weight[bin] = l->open[bin] ? BESIDE : 0.0f;
         for (size_t g = 0; g < l->ranges; g++)
-            if (l->square[learned_at(l->cells + g, bin)] > 0.0f) weight[bin] = 1.0f;
+            if (l->entered[learned_at(g, bin)]) weight[bin] = 1.0f;
     }
     guide_openings_make(l->scene, &visibility->box, weight, &visibility->openings,
                         &visibility->aim);
@@ -140,7 +155,7 @@ static void trace_cell(struct learning *l, size_t i, struct rng *rng) {
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) bins += l->open[bin];
     const float all = (float)l->samples.open_bins / (float)bins;
     const float rays = (float)l->samples.bin_rays * fminf(all, 1.0f);
-    struct sky_tally unused = {0.0f, 0.0f};
+    struct sky_tally unused = {0.0f, 0.0f, false};
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
         if (!l->open[bin]) continue;
         const int wanted = (int)(rays + rng_float(rng));
@@ -267,12 +282,14 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
     // The loops that trace rays set all of both.
     l->square = array_new_unset(all, sizeof *l->square);
     l->traced = array_new_unset(all, sizeof *l->traced);
+    l->entered = array_new_unset(l->ranges * LIGHT_HISTOGRAM_BINS, sizeof *l->entered);
     l->open = array_new(LIGHT_HISTOGRAM_BINS, sizeof *l->open);
-    if (l->square && l->traced && l->open) {
+    if (l->square && l->traced && l->entered && l->open) {
         const size_t first = l->cells * LIGHT_HISTOGRAM_BINS;
         const struct parallel_results ranges = {
             .slot = {{l->square + first, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
                      {l->traced + first, LIGHT_HISTOGRAM_BINS * sizeof *l->traced},
+                     {l->entered, LIGHT_HISTOGRAM_BINS * sizeof *l->entered},
                      {l->hidden, sizeof *l->hidden}},
             .journaled = true};
         const struct parallel_results cells = {
@@ -292,6 +309,7 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
     }
     free(l->square);
     free(l->traced);
+    free(l->entered);
     free(l->open);
     return status;
 }
@@ -382,8 +400,9 @@ double guide_visibility_most(const struct satin_scene *scene) {
     const struct guide_visibility *v = NULL;
     const struct learning *l = NULL;
     const double bins = (double)(GUIDE_CELLS_MAX + GUIDE_RANGES) * LIGHT_HISTOGRAM_BINS;
+    const double entered = (double)GUIDE_RANGES * LIGHT_HISTOGRAM_BINS * sizeof *l->entered;
     if (scene->environment >= 0)
-        return sizeof *v + bins * (double)(sizeof *l->square + sizeof *l->traced);
+        return sizeof *v + bins * (double)(sizeof *l->square + sizeof *l->traced) + entered;
     return has_choice(scene) ? (double)(sizeof *v - sizeof v->histogram - sizeof v->bins) : 0.0;
 }
 

@@ -126,6 +126,27 @@ static void as_much_light_arrives_with_less_noise(void **state) {
     }
 }
 
+static void more_of_them_are_in_the_room(void **state) {
+    static const enum light_kind KINDS[] = {LIGHT_CONSTANT, LIGHT_DIRECTIONAL};
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        struct test_scene t;
+        room_on_ground(&t, KINDS[kind]);
+        struct guide_visibility *visibility = learn_visibility(&t);
+        double fraction[2];
+        for (int aimed = 0; aimed < 2; aimed++) {
+            const struct light_aim *aim = aimed ? guide_visibility_aim(visibility) : NULL;
+            struct photon_trace photons = trace_aimed(&t, aim, 1, 200000, 2);
+            fraction[aimed] = (double)arrive_in_room(&photons).count / (double)photons.count;
+            photon_trace_free(&photons);
+        }
+        printf("fraction in the room %.5f, aimed %.3f\n", fraction[0], fraction[1]);
+        assert_true(fraction[1] > 20.0 * fraction[0]);
+        guide_visibility_free(visibility);
+        test_scene_free(&t);
+    }
+}
+
 // The power of all photons is that of the light, and all of it is accounted for.
 static void the_power_is_that_of_the_sky(void **state) {
     (void)state;
@@ -188,6 +209,7 @@ static void openings_are_small(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(as_much_light_arrives_with_less_noise),
+        cmocka_unit_test(more_of_them_are_in_the_room),
         cmocka_unit_test(the_power_is_that_of_the_sky),
         cmocka_unit_test(threads_do_not_change_openings),
         cmocka_unit_test(openings_are_small),
