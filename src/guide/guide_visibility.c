@@ -22,7 +22,7 @@ enum {
 
 // The weight of a bin beside one where the environment is visible, as a fraction of that one's,
 // because rays are few. For photons through openings, .1, .25 and 1 leave a variance of .00034,
-// .00042 and .00144 of the indirect light of a room with a slit of 2 cm.
+// .00042 and .00144 of means over 5x5 pixels of the indirect light of a room with a slit of 2 cm.
 #define BESIDE 0.1f
 // Fraction of the samples that is drawn by bins. Sampling by radiance is useless for a constant
 // sky, and good for an image where all of it is visible. Samples by radiance that find light where

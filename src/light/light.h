@@ -163,8 +163,8 @@ struct light_aim {
 };
 // Fraction of the photons from infinitely far that openings get. With more, the photons from
 // outside that enter after a bounce are fewer and stronger: .35, .5 and .75 leave a variance of
-// .00070, .00038 and .00071 in a room that the ground before it lights, and of .00173, .00099 and
-// .00081 in one with a slit.
+// .00070, .00038 and .00071 of the indirect light in a room that the ground before it lights; in
+// one with a slit, .35 and .5 leave .00173 and .00099.
 #define LIGHT_ENTERING 0.5f
 #define LIGHT_COVERED 0.25f  // fraction of photons that are aimed at covers, if there are spots
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
