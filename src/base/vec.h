@@ -79,6 +79,10 @@ static inline vec3 v3_min(vec3 a, vec3 b) {
 static inline vec3 v3_max(vec3 a, vec3 b) {
     return v3(maxf(b.x, a.x), maxf(b.y, a.y), maxf(b.z, a.z));
 }
+// Whether p is in the box from lo to hi, or on its boundary.
+static inline bool v3_within(vec3 p, vec3 lo, vec3 hi) {
+    return p.x >= lo.x && p.y >= lo.y && p.z >= lo.z && p.x <= hi.x && p.y <= hi.y && p.z <= hi.z;
+}
 
 static inline rgb rgb_make(float r, float g, float b) { return (rgb){r, g, b}; }
 static inline rgb rgb_grey(float v) { return (rgb){v, v, v}; }

@@ -47,6 +47,5 @@ void guide_region_free(struct guide_region *region) {
 
 bool guide_region_holds(const struct guide_region *region, vec3 p) {
     const struct light_target *box = &region->box[guide_cells_find(&region->cells, p)];
-    return p.x >= box->lo.x && p.y >= box->lo.y && p.z >= box->lo.z && p.x <= box->hi.x &&
-           p.y <= box->hi.y && p.z <= box->hi.z;
+    return v3_within(p, box->lo, box->hi);
 }

@@ -69,11 +69,6 @@ struct sky_tally {
 
 static size_t learned_at(size_t i, size_t bin) { return LIGHT_HISTOGRAM_BINS * i + bin; }
 
-static bool is_in_box(const struct light_box *box, vec3 p) {
-    return p.x >= box->lo.x && p.y >= box->lo.y && p.z >= box->lo.z && p.x <= box->hi.x &&
-           p.y <= box->hi.y && p.z <= box->hi.z;
-}
-
 // Traces rays from the points through a bin, at most one per point. Stores the sum of the squares
 // of what the bin contributes to E, radiance times cosine times solid angle, and their number.
 static void trace_bin(struct learning *l, size_t i, const struct guide_cell *cell, int bin,
@@ -94,7 +89,7 @@ static void trace_bin(struct learning *l, size_t i, const struct guide_cell *cel
         struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
         if (!light_arrives(l->scene, p->p, p->ng, INT_MAX, &sample)) continue;
         tally->visible += sqrtf(L) / density;
-        tally->entered |= is_in_box(&l->visibility->box, p->p);
+        tally->entered |= v3_within(p->p, l->visibility->box.lo, l->visibility->box.hi);
         squares += sqrf(L * v3_dot(w, p->n) / density);
     }
     l->square[learned_at(i, (size_t)bin)] = squares;

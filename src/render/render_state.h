@@ -270,7 +270,7 @@ satin_status render_reduce_photons(struct render *r);
 satin_status render_photons(struct render *r);
 // Finds where caustic paths start, for the request, unless it is known.
 satin_status render_photon_emission(struct render *r, struct photon_request *request);
-// Builds the photon maps and the visibility of the lights from so many photons.
+// Builds the photon maps from so many photons.
 satin_status render_photon_maps(struct render *r, const struct render_photon_counts *counts);
 // The time of the steps that grow with the number of photons.
 double render_photon_seconds(const struct render *r);

@@ -33,14 +33,28 @@ static void room_on_ground(struct test_scene *t, enum light_kind kind) {
     test_look_down(t);
 }
 
-static struct guide_visibility *learn_visibility(const struct test_scene *t) {
+// The room, and what is learnt in it.
+struct open_room {
+    struct test_scene t;
+    struct guide_visibility *visibility;
+    const struct light_aim *aim;
+};
+
+static void begin_open_room(struct open_room *room, enum light_kind kind) {
+    room_on_ground(&room->t, kind);
     const struct guide_visibility_samples samples = {
         .paths = 4096, .box_rays = 8, .bin_rays = 3, .open_bins = 1024, .light_rays = 32};
     struct parallel *pool = parallel_new(2);
-    struct guide_visibility *visibility = NULL;
-    assert_int_equal(guide_visibility_build(&t->scene, 0, samples, pool, &visibility), SATIN_OK);
+    assert_int_equal(guide_visibility_build(&room->t.scene, 0, samples, pool, &room->visibility),
+                     SATIN_OK);
     parallel_free(pool);
-    return visibility;
+    room->aim = guide_visibility_aim(room->visibility);
+    assert_non_null(room->aim);
+}
+
+static void end_open_room(struct open_room *room) {
+    guide_visibility_free(room->visibility);
+    test_scene_free(&room->t);
 }
 
 static struct photon_trace trace_aimed(const struct test_scene *t, const struct light_aim *aim,
@@ -102,15 +116,12 @@ static void as_much_light_arrives_with_less_noise(void **state) {
     static const enum light_kind KINDS[] = {LIGHT_CONSTANT, LIGHT_DIRECTIONAL};
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        struct test_scene t;
-        room_on_ground(&t, KINDS[kind]);
-        struct guide_visibility *visibility = learn_visibility(&t);
-        const struct light_aim *aim = guide_visibility_aim(visibility);
-        assert_non_null(aim);
+        struct open_room room;
+        begin_open_room(&room, KINDS[kind]);
         double plain[2], aimed[2], plain2[2], aimed2[2];
         size_t few, many;
-        repeat(&t, NULL, 200000, plain, plain2, &few);
-        repeat(&t, aim, 20000, aimed, aimed2, &many);
+        repeat(&room.t, NULL, 200000, plain, plain2, &few);
+        repeat(&room.t, room.aim, 20000, aimed, aimed2, &many);
         printf("photons %zu, %zu of a tenth of the paths\n", few, many);
         for (int k = 0; k < 2; k++) {
             printf("%s: %.4f +- %.4f, aimed %.4f +- %.4f\n", k ? "indirect" : "direct", plain[k],
@@ -121,8 +132,7 @@ static void as_much_light_arrives_with_less_noise(void **state) {
             assert_true(aimed2[k] < 2.0 * plain2[k]);
         }
         assert_true((double)many > 3.0 * (double)few);
-        guide_visibility_free(visibility);
-        test_scene_free(&t);
+        end_open_room(&room);
     }
 }
 
@@ -130,53 +140,46 @@ static void more_of_them_are_in_the_room(void **state) {
     static const enum light_kind KINDS[] = {LIGHT_CONSTANT, LIGHT_DIRECTIONAL};
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        struct test_scene t;
-        room_on_ground(&t, KINDS[kind]);
-        struct guide_visibility *visibility = learn_visibility(&t);
+        struct open_room room;
+        begin_open_room(&room, KINDS[kind]);
         double fraction[2];
         for (int aimed = 0; aimed < 2; aimed++) {
-            const struct light_aim *aim = aimed ? guide_visibility_aim(visibility) : NULL;
-            struct photon_trace photons = trace_aimed(&t, aim, 1, 200000, 2);
+            const struct light_aim *aim = aimed ? room.aim : NULL;
+            struct photon_trace photons = trace_aimed(&room.t, aim, 1, 200000, 2);
             fraction[aimed] = (double)arrive_in_room(&photons).count / (double)photons.count;
             photon_trace_free(&photons);
         }
         printf("fraction in the room %.5f, aimed %.3f\n", fraction[0], fraction[1]);
         assert_true(fraction[1] > 20.0 * fraction[0]);
-        guide_visibility_free(visibility);
-        test_scene_free(&t);
+        end_open_room(&room);
     }
 }
 
 // The power of all photons is that of the light, and all of it is accounted for.
 static void the_power_is_that_of_the_sky(void **state) {
     (void)state;
-    struct test_scene t;
-    room_on_ground(&t, LIGHT_CONSTANT);
-    struct guide_visibility *visibility = learn_visibility(&t);
-    struct photon_trace photons = trace_aimed(&t, guide_visibility_aim(visibility), 1, 200000, 2);
+    struct open_room room;
+    begin_open_room(&room, LIGHT_CONSTANT);
+    struct photon_trace photons = trace_aimed(&room.t, room.aim, 1, 200000, 2);
     const struct photon_power power = photons.power[0];
-    assert_true(fabs(power.emitted / (double)t.scene.light[0].power - 1.0) < 0.01);
+    assert_true(fabs(power.emitted / (double)room.t.scene.light[0].power - 1.0) < 0.01);
     assert_true(fabs(power.absorbed + power.escaped + power.ended - power.emitted) <
                 1e-4 * power.emitted);
     photon_trace_free(&photons);
-    guide_visibility_free(visibility);
-    test_scene_free(&t);
+    end_open_room(&room);
 }
 
 static void threads_do_not_change_openings(void **state) {
     (void)state;
-    struct test_scene t;
-    room_on_ground(&t, LIGHT_CONSTANT);
-    struct guide_visibility *visibility = learn_visibility(&t);
-    const struct light_aim *aim = guide_visibility_aim(visibility);
-    struct photon_trace one = trace_aimed(&t, aim, 1, 20000, 1),
-                        three = trace_aimed(&t, aim, 1, 20000, 3);
+    struct open_room room;
+    begin_open_room(&room, LIGHT_CONSTANT);
+    struct photon_trace one = trace_aimed(&room.t, room.aim, 1, 20000, 1),
+                        three = trace_aimed(&room.t, room.aim, 1, 20000, 3);
     assert_int_equal(one.count, three.count);
     assert_memory_equal(one.hit, three.hit, one.count * sizeof *one.hit);
     photon_trace_free(&one);
     photon_trace_free(&three);
-    guide_visibility_free(visibility);
-    test_scene_free(&t);
+    end_open_room(&room);
 }
 
 // Openings get photons only if they are smaller than the scene. Around a small box in it, boxes
