@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the box of the visible-environment histograms. Windows are openings of a room's walls: if
-// the faces of the box are near them, each is in the same bins from all points of the room. Rays
-// from points of the cells measure that. Of a bin that n rays meet, of which m arrive at the
-// environment, samples contribute the second moment (sum of sqrt(n m))^2, if bins are drawn by the
-// densities that are best for all points together. The faces are moved one by one to where it is
-// least. In the open, where no box helps, it is large, so that bins are directions.
+// the faces of the box are near them, each is in the same bins from all points of the room, and so
+// it is for the box around the points. But points on the ground that the room's windows show make
+// that as large as the ground, with bins as large as windows. Rays from the points measure whether
+// a smaller box is better. Of a bin that n rays from points in the box meet, of which m arrive at
+// the environment, samples contribute the second moment (sum of sqrt(n m))^2, if bins are drawn by
+// the densities that are best for all these points together. The points outside the box have one
+// bin for all directions. The faces are moved one by one to where the moment is least.
 #include <limits.h>
 #include <stdlib.h>
 
@@ -14,25 +16,28 @@
 
 enum {
     SWEEPS = 2,  // times that each face is moved
-    MERGED = 2,  // rows and columns of bins that are taken together, as rays are few
     // Fewer rays that arrive do not show where the faces should be, and the box stays around the
     // points. Of 3 to 174 rays through slits and holes, boxes moved by them were wrong: where one
     // ray of 33,000 found a hole of 10 cm, a room had .47 of its light (docs/experiments/
-    // direct-light.md). In rooms with windows it is 520 to 1,000.
+    // direct-light.md). In rooms with windows it is 440 to 1,000 of 33,000. Until so many arrive,
+    // more rays are traced, up to BOX_BATCHES times as many.
     ARRIVING_LEAST = 256,
-    QUANTILES = 6,
-    FARTHER = 4,
-    BOX_OFFSETS = QUANTILES + FARTHER
+    BOX_BATCHES = 4,
+    BOX_OFFSETS = 6
 };
-// The offsets of a face: fractions of the points that are beyond it, and distances from all of
-// them, as fractions of the largest extent.
-static const float BOX_BEYOND[QUANTILES] = {0.0f, 0.005f, 0.02f, 0.05f, 0.1f, 0.2f};
-static const float DISTANCE[FARTHER] = {0.03f, 0.1f, 1.0f, 10.0f};
+// The offsets of a face: fractions of the points that are beyond it.
+static const float BOX_BEYOND[BOX_OFFSETS] = {0.0f, 0.005f, 0.02f, 0.05f, 0.1f, 0.2f};
+// The largest moment of a box that is used, as a fraction of that of the box around all points. It
+// is .51 to .52 in rooms with a window on the ground, whose images then have a quarter to a half of
+// the variance, and .86 to 1.0 in others and in the open, where a smaller box gains nothing, or
+// leaves 2.9 times the variance of direct light (ring).
+#define BOX_SMALLER 0.8f
 // The least extent, as a fraction of the largest.
 static const float EXTENT_LEAST = 0.01f;
 
 struct traced_ray {
     vec3 p, d;
+    uint32_t cell;  // that of p
     bool arrives;
 };
 
@@ -40,72 +45,115 @@ struct box_search {
     const struct satin_scene *scene;
     const struct guide_cells *cells;
     uint64_t seed;
-    size_t points, rays;
+    size_t points, batch, rays;  // numbers of points, of rays of a batch and of those traced so far
     struct traced_ray *ray;
+    uint32_t arriving[GUIDE_CELLS_MAX];  // number of rays of each cell that arrive
     struct light_box box[BOX_OFFSETS];
     double moment[BOX_OFFSETS];
 };
+
+// ---- Rays ---------------------------------------------------------------------------------------
 
 static void trace_rays(void *ctx, size_t begin, size_t end, int worker) {
     struct box_search *search = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct rng rng = rng_make(search->seed, RNG_BOX, i);
-        const struct guide_cell_point *p = &search->cells->point[i * search->points / search->rays];
+        struct rng rng = rng_make(search->seed, RNG_BOX, search->rays + i);
+        const struct guide_cell_point *p =
+            &search->cells->point[i * search->points / search->batch];
         const struct frame frame = frame_from_normal(p->n);
         const float u = rng_float(&rng), v = rng_float(&rng);
         const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));
         struct light_sample s = {.wi = d, .dist = INFINITY, .L = rgb_grey(1.0f)};
-        search->ray[i] =
-            (struct traced_ray){p->p, d, light_arrives(search->scene, p->p, p->ng, INT_MAX, &s)};
+        search->ray[search->rays + i] =
+            (struct traced_ray){p->p, d, (uint32_t)guide_cells_find(search->cells, p->p),
+                                light_arrives(search->scene, p->p, p->ng, INT_MAX, &s)};
     }
 }
 
-static bool enough_arrive(const struct box_search *search) {
+// Traces rays until enough arrive. *enough is set to whether they do. False if the pool was
+// stopped.
+static bool trace_batches(struct box_search *search, struct parallel *pool, bool *enough) {
     size_t arriving = 0;
-    for (size_t i = 0; i < search->rays; i++) arriving += search->ray[i].arrives;
-    return arriving >= ARRIVING_LEAST;
+    for (int k = 0; k < BOX_BATCHES && arriving < ARRIVING_LEAST; k++) {
+        if (!parallel_for(pool, search->batch, 64, trace_rays, search)) return false;
+        for (size_t i = 0; i < search->batch; i++) {
+            const struct traced_ray *ray = &search->ray[search->rays + i];
+            search->arriving[ray->cell] += ray->arrives;
+            arriving += ray->arrives;
+        }
+        search->rays += search->batch;
+    }
+    *enough = arriving >= ARRIVING_LEAST;
+    return true;
+}
+
+// ---- Moments ------------------------------------------------------------------------------------
+
+// What rays through a bin have found.
+struct bin_count {
+    float rays, arriving;
+};
+
+// Each cell counts about as much, as each has densities of its own: otherwise the few points
+// outside, where most rays arrive, would decide.
+static void count_ray(const struct box_search *search, const struct traced_ray *ray,
+                      struct bin_count *count) {
+    const float weight = 1.0f / (1.0f + (float)search->arriving[ray->cell]);
+    count->rays += weight;
+    if (ray->arrives) count->arriving += weight;
+}
+
+// The moment of means over a bin and those around it: the edges of windows may be anywhere in them.
+// Without means, a box as large as the ground is best for one seed in six, as a window happens to
+// be one bin of it.
+static double mean_moment(const struct bin_count *count, int bin) {
+    int around[9];
+    const int bins = light_box_around(bin, around);
+    double rays = 0.0, arriving = 0.0;
+    for (int k = 0; k < bins; k++) {
+        rays += (double)count[around[k]].rays;
+        arriving += (double)count[around[k]].arriving;
+    }
+    return sqrt(rays * arriving) / bins;
 }
 
 static void measure_boxes(void *ctx, size_t begin, size_t end, int worker) {
-    enum {
-        MERGED_SIDE = LIGHT_HISTOGRAM_SIDE / MERGED,
-        MERGED_BINS = LIGHT_HISTOGRAM_ROWS / MERGED * MERGED_SIDE
-    };
     struct box_search *search = ctx;
     (void)worker;
     for (size_t k = begin; k < end; k++) {
-        uint32_t rays[MERGED_BINS] = {0}, arriving[MERGED_BINS] = {0};
+        const struct light_box *box = &search->box[k];
+        struct bin_count count[LIGHT_HISTOGRAM_BINS] = {{0}}, outside = {0};
         for (size_t i = 0; i < search->rays; i++) {
             const struct traced_ray *ray = &search->ray[i];
             float density;
-            const int bin = light_box_bin(&search->box[k], ray->p, ray->d, &density);
-            const int row = bin / LIGHT_HISTOGRAM_SIDE, column = bin % LIGHT_HISTOGRAM_SIDE;
-            const int at = row / MERGED * MERGED_SIDE + column / MERGED;
-            rays[at]++;
-            arriving[at] += ray->arrives;
+            const bool within = v3_within(ray->p, box->lo, box->hi);
+            count_ray(search, ray,
+                      within ? &count[light_box_bin(box, ray->p, ray->d, &density)] : &outside);
         }
-        search->moment[k] = 0.0;
-        for (int i = 0; i < MERGED_BINS; i++)
-            search->moment[k] += sqrt((double)rays[i] * (double)arriving[i]);
+        search->moment[k] = sqrt((double)outside.rays * (double)outside.arriving);
+        for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
+            search->moment[k] += mean_moment(count, bin);
     }
 }
 
-// The offsets of the face at the end of an axis, beginning with one around all points.
-static void find_offsets(const float *sorted, size_t points, bool upper, float extent,
-                         float offset[BOX_OFFSETS]) {
-    for (int i = 0; i < QUANTILES; i++) {
-        const size_t beyond = (size_t)(BOX_BEYOND[i] * (float)points);
-        offset[i] = sorted[upper ? points - 1 - beyond : beyond];
-    }
-    for (int i = 0; i < FARTHER; i++)
-        offset[QUANTILES + i] = offset[0] + (upper ? extent : -extent) * DISTANCE[i];
-}
+// ---- Faces --------------------------------------------------------------------------------------
 
 struct box_faces {
-    float offset[6][BOX_OFFSETS];
-    int chosen[6];
+    float offset[6][BOX_OFFSETS];  // those that differ, beginning with one around all points
+    int count[6], chosen[6];       // of these offsets
 };
+
+static void find_offsets(const float *sorted, size_t points, bool upper, int face,
+                         struct box_faces *faces) {
+    float *offset = faces->offset[face];
+    for (int i = 0; i < BOX_OFFSETS; i++) {
+        const size_t beyond = (size_t)(BOX_BEYOND[i] * (float)points);
+        const float at = sorted[upper ? points - 1 - beyond : beyond];
+        const int last = faces->count[face] - 1;
+        if (last < 0 || offset[last] != at) offset[faces->count[face]++] = at;
+    }
+}
 
 static vec3 corner(const struct box_faces *faces, int upper, int moved, int offset) {
     float at[3];
@@ -137,31 +185,50 @@ static float begin_faces(const struct guide_cells *cells, size_t points, float *
     for (int axis = 0; axis < 3; axis++) {
         for (size_t i = 0; i < points; i++) sorted[i] = v3_along(cells->point[i].p, axis);
         qsort(sorted, points, sizeof *sorted, array_compare_floats);
-        find_offsets(sorted, points, false, extent, faces->offset[2 * axis]);
-        find_offsets(sorted, points, true, extent, faces->offset[2 * axis + 1]);
+        find_offsets(sorted, points, false, 2 * axis, faces);
+        find_offsets(sorted, points, true, 2 * axis + 1, faces);
     }
     return extent;
 }
 
+// Moves a face to where the moment is least, which is set. False if the pool was stopped.
+static bool move_face(struct box_search *search, struct box_faces *faces, int face, float extent,
+                      struct parallel *pool, double *least) {
+    const size_t count = (size_t)faces->count[face];
+    for (int i = 0; i < faces->count[face]; i++) search->box[i] = moved_box(faces, face, i, extent);
+    if (!parallel_for(pool, count, 1, measure_boxes, search)) return false;
+    int *chosen = &faces->chosen[face];
+    for (int i = 0; i < faces->count[face]; i++)
+        if (search->moment[i] < search->moment[*chosen]) *chosen = i;
+    *least = search->moment[*chosen];
+    return true;
+}
+
+// Moves all faces, if that is worth it. False if the pool was stopped.
+static bool move_faces(struct box_search *search, struct box_faces *faces, float extent,
+                       struct parallel *pool) {
+    const struct box_faces around = *faces;
+    double least = 0.0;
+    search->box[0] = moved_box(faces, 0, 0, extent);
+    if (!parallel_for(pool, 1, 1, measure_boxes, search)) return false;
+    const double first = search->moment[0];
+    for (int k = 0; k < 6 * SWEEPS; k++)
+        if (!move_face(search, faces, k % 6, extent, pool, &least)) return false;
+    if (!(least < BOX_SMALLER * first)) *faces = around;
+    return true;
+}
+
 bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
                     size_t rays, struct parallel *pool, struct light_box *out) {
-    struct box_search search = {.scene = scene, .cells = cells, .seed = seed, .rays = rays};
+    struct box_search search = {.scene = scene, .cells = cells, .seed = seed, .batch = rays};
     for (size_t i = 0; i < guide_cells_count(cells); i++) search.points += cells->cell[i].count;
     float *sorted = array_new(search.points, sizeof *sorted);
-    search.ray = array_new(search.rays, sizeof *search.ray);
-    bool done = sorted && search.ray && parallel_for(pool, search.rays, 64, trace_rays, &search);
+    search.ray = array_new_unset(BOX_BATCHES * rays, sizeof *search.ray);
+    bool enough = false, done = sorted && search.ray && trace_batches(&search, pool, &enough);
     if (done) {
         struct box_faces faces;
         const float extent = begin_faces(cells, search.points, sorted, scene->radius, &faces);
-        const int moves = enough_arrive(&search) ? 6 * SWEEPS : 0;
-        for (int k = 0; k < moves && done; k++) {
-            const int face = k % 6;
-            for (int i = 0; i < BOX_OFFSETS; i++)
-                search.box[i] = moved_box(&faces, face, i, extent);
-            done = parallel_for(pool, BOX_OFFSETS, 1, measure_boxes, &search);
-            for (int i = 0; i < BOX_OFFSETS; i++)
-                if (search.moment[i] < search.moment[faces.chosen[face]]) faces.chosen[face] = i;
-        }
+        done = !enough || move_faces(&search, &faces, extent, pool);
         *out = moved_box(&faces, 0, faces.chosen[0], extent);
     }
     free(search.ray);

@@ -8,8 +8,8 @@
 #include "guide/guide_visibility.h"
 
 // How many times as large as the one within it a box is. From the ground before a house with a
-// window, 1.5, 2 and 4 leave a variance of the indirect light in a room of .00060, .00038 and
-// .00048 instead of .0014 without openings.
+// window, 1.5, 2 and 4 leave a variance of the indirect light in a room of .00016, .00016 and
+// .00017, and the scene's box alone .00023.
 #define LARGER 2.0f
 // The largest area of a box, as a fraction of the scene's: a larger one gains nothing.
 #define LARGEST 0.5f

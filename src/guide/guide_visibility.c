@@ -55,7 +55,8 @@ struct learning {
     uint8_t *entered;
     // For each range the fraction of the environment that points face but that is hidden from them.
     float hidden[GUIDE_RANGES];
-    bool *open;  // for each bin, whether cells trace rays through it
+    // For each bin, whether cells trace rays through it; and whether those do that are in the box.
+    bool *open, *open_within;
 };
 
 // ---- Environment -------------------------------------------------------------------------------
@@ -114,15 +115,18 @@ static void trace_range(struct learning *l, size_t g, struct rng *rng) {
     l->hidden[g] = tally.visible > 0.0f ? 1.0f - tally.visible / tally.facing : 1.0f;
 }
 
-// Finds the bins in which some range has found the environment, and those beside them.
+// Finds the bins in which some range has found the environment, from any point and from one in the
+// box, and those beside them.
 static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
     struct learning *l = ctx;
     (void)worker;
     for (size_t bin = begin; bin < end; bin++) {
         int around[9];
         for (int i = light_box_around((int)bin, around); i-- > 0;)
-            for (size_t g = 0; g < l->ranges; g++)
+            for (size_t g = 0; g < l->ranges; g++) {
                 l->open[bin] |= l->square[learned_at(l->cells + g, (size_t)around[i])] > 0.0f;
+                l->open_within[bin] |= l->entered[learned_at(g, (size_t)around[i])] > 0;
+            }
     }
 }
 
@@ -141,20 +145,29 @@ static void find_openings(const struct learning *l) {
                         &visibility->aim);
 }
 
-// A cell traces rays through the open bins. They are as many as if a certain number of bins had all
-// rays.
+// The bins through which a cell traces rays. From points in the box, light of the others is hidden.
+static const bool *open_bins(const struct learning *l, const struct guide_cell *cell) {
+    const struct light_box *box = &l->visibility->box;
+    for (size_t i = 0; i < cell->count; i++)
+        if (!v3_within(cell->point[i].p, box->lo, box->hi)) return l->open;
+    return l->open_within;
+}
+
+// A cell traces as many rays as if a certain number of bins had all rays.
 static void trace_cell(struct learning *l, size_t i, struct rng *rng) {
     memset(&l->square[learned_at(i, 0)], 0, LIGHT_HISTOGRAM_BINS * sizeof *l->square);
     memset(&l->traced[learned_at(i, 0)], 0, LIGHT_HISTOGRAM_BINS * sizeof *l->traced);
+    const struct guide_cell *cell = &l->visibility->cells.cell[i];
+    const bool *open = open_bins(l, cell);
     int bins = 0;
-    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) bins += l->open[bin];
+    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) bins += open[bin];
     const float all = (float)l->samples.open_bins / (float)bins;
     const float rays = (float)l->samples.bin_rays * fminf(all, 1.0f);
     struct sky_tally unused = {0.0f, 0.0f, false};
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
-        if (!l->open[bin]) continue;
+        if (!open[bin]) continue;
         const int wanted = (int)(rays + rng_float(rng));
-        if (wanted > 0) trace_bin(l, i, &l->visibility->cells.cell[i], bin, wanted, rng, &unused);
+        if (wanted > 0) trace_bin(l, i, cell, bin, wanted, rng, &unused);
     }
 }
 
@@ -195,9 +208,10 @@ static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
     struct guide_visibility *visibility = l->visibility;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
+        const bool *open = open_bins(l, &visibility->cells.cell[i]);
         float found[LIGHT_HISTOGRAM_BINS], weight[LIGHT_HISTOGRAM_BINS], most = 0.0f;
         for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
-            found[bin] = sqrtf(l->square[learned_at(i, (size_t)bin)]);
+            found[bin] = open[bin] ? sqrtf(l->square[learned_at(i, (size_t)bin)]) : 0.0f;
             most = fmaxf(most, found[bin]);
         }
         if (!(most > 0.0f)) continue;  // the fraction stays 0
@@ -205,7 +219,7 @@ static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
             int around[9];
             float beside = 0.0f;
             weight[bin] = 0.0f;
-            if (!l->open[bin]) continue;
+            if (!open[bin]) continue;
             for (int k = light_box_around(bin, around); k-- > 0;)
                 beside = fmaxf(beside, found[around[k]]);
             weight[bin] = fmaxf(found[bin], BESIDE * beside);
@@ -279,7 +293,8 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
     l->traced = array_new_unset(all, sizeof *l->traced);
     l->entered = array_new_unset(l->ranges * LIGHT_HISTOGRAM_BINS, sizeof *l->entered);
     l->open = array_new(LIGHT_HISTOGRAM_BINS, sizeof *l->open);
-    if (l->square && l->traced && l->entered && l->open) {
+    l->open_within = array_new(LIGHT_HISTOGRAM_BINS, sizeof *l->open_within);
+    if (l->square && l->traced && l->entered && l->open && l->open_within) {
         const size_t first = l->cells * LIGHT_HISTOGRAM_BINS;
         const struct parallel_results ranges = {
             .slot = {{l->square + first, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
@@ -306,6 +321,7 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
     free(l->traced);
     free(l->entered);
     free(l->open);
+    free(l->open_within);
     return status;
 }
 
