@@ -115,6 +115,14 @@ bool photon_few_paths(const struct photon_disc *disc) {
     return paths < FRACTION_OF_PATHS * fminf((float)count, HASHES);
 }
 
+float photon_disc_counted(const struct photon_disc *disc, float most) {
+    const float each = PI_F * disc->r2 * disc->scale;
+    float counted = 0.0f;
+    for (int i = 0; i < disc->count && counted < most; i++)
+        if (photon_disc_weight(disc, i) > 0.0f) counted += each;
+    return counted;
+}
+
 void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene) {
     float fraction = 1.0f;
     disc->corrected = false;

@@ -328,6 +328,9 @@ rgb photon_disc_last(const struct photon_disc *disc);
 // Whether the photons are those of few light paths. In a crack between bright walls a photon that
 // has found its way in is stored dozens of times, and looks like dense light.
 bool photon_few_paths(const struct photon_disc *disc);
+// The number of photons that would be counted if all of a disc of radius r > 0 were surface, up to
+// about `most`. Others of its photons are on the other side of the surface, or on other ones.
+float photon_disc_counted(const struct photon_disc *disc, float most);
 // The variance of the irradiance, summed over the channels: the sum of the squares.
 float photon_disc_variance(const struct photon_disc *disc);
 // The least distance from the centre to a wall or an edge, by the sectors of the disc.

@@ -148,9 +148,55 @@ static void floor_does_not_read_the_ground(void **state) {
     test_scene_free(&t);
 }
 
+// A thin wall between two lamps, of which one is 20 times as bright: of the photons near the dark
+// side nearly all are on the other one. The dark side still has its light, everywhere.
+static void dark_side_of_a_thin_wall(void **state) {
+    (void)state;
+    enum { POINTS = 1024 };
+    const float dark = 0.05f;
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t grey = test_diffuse(&t, 0.1f, 0.1f, 0.1f);
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
+    for (int side = -1; side <= 1; side += 2) {
+        const struct mat4 lamp = test_transform(v3(0, 0, 1.1f * (float)side), v3(1, 1, 0.1f));
+        test_area_light(&t, test_cube(&t, lamp, false, grey), rgb_grey(side > 0 ? 1.0f : dark));
+    }
+    test_scene_finish(&t);
+    satin_options o = satin_options_default;
+    o.photons = 200000;
+    o.caustic_photons = 0;
+    o.gather_direct = false;
+    struct stats stats = {0};
+    struct photon_maps *maps = NULL;
+    struct parallel *pool = parallel_new(2);
+    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
+    double E[2] = {0.0};
+    int read[2] = {0};
+    for (int i = 0; i < POINTS; i++) {
+        const vec2 u = sample_sobol2((uint32_t)i, 0);
+        const vec3 p = v3(1.8f * u.x - 0.9f, 1.8f * u.y - 0.9f, 0.0f);
+        for (int up = 0; up < 2; up++) {
+            const vec3 n = v3(0, 0, up ? 1.0f : -1.0f);
+            float radius;
+            const rgb found = photon_irradiance_at(maps, &t.scene, p, n, &radius, NULL);
+            if (!isfinite(radius)) continue;
+            E[up] += (double)found.g;
+            read[up]++;
+        }
+    }
+    const double light = E[0] / read[0] / (E[1] / read[1] * (double)dark);
+    print_message("%.3f of the light, at %d points\n", light, read[0]);
+    assert_true(read[0] > POINTS / 2 && fabs(light - 1.0) < 0.1);
+    photon_maps_free(maps);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(radius_does_not_follow_noise),
                                        cmocka_unit_test(few_paths_are_not_read),
-                                       cmocka_unit_test(floor_does_not_read_the_ground)};
+                                       cmocka_unit_test(floor_does_not_read_the_ground),
+                                       cmocka_unit_test(dark_side_of_a_thin_wall)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
