@@ -59,7 +59,19 @@ struct learning {
     bool *open, *open_within;
 };
 
+static bool has_far_light(const struct satin_scene *scene) {
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (light_is_far(&scene->light[i])) return true;
+    return false;
+}
+
 // ---- Environment -------------------------------------------------------------------------------
+
+// Without an environment, as for a sun alone, the bins that are open to the outside are found as if
+// there were a constant one: what the sun lights there may light the room.
+static float environment_luminance(const struct learning *l, vec3 w) {
+    return l->visibility->sky ? rgb_luminance(light_environment(l->scene, w)) : 1.0f;
+}
 
 // What rays find of the environment: sums of the root of luminance times solid angle where it is
 // visible, and of all that the points face.
@@ -84,7 +96,7 @@ static void trace_bin(struct learning *l, size_t i, const struct guide_cell *cel
         float density;
         const vec3 w = light_box_direction(&l->visibility->box, p->p, bin, u, v, &density);
         if (!p->both && !(v3_dot(w, p->n) > 0.0f)) continue;
-        const float L = rgb_luminance(light_environment(l->scene, w));
+        const float L = environment_luminance(l, w);
         if (!(L > 0.0f)) continue;
         tally->facing += sqrtf(L) / density;
         struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
@@ -285,7 +297,18 @@ static void trace_cell_bins(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-static satin_status learn_sky(struct learning *l, struct parallel *pool) {
+// Learns what the cells see of the sky. False if the pool was stopped.
+static bool learn_sky(struct learning *l, struct parallel *pool) {
+    const struct parallel_results cells = {
+        .slot = {{l->square, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
+                 {l->traced, LIGHT_HISTOGRAM_BINS * sizeof *l->traced}},
+        .journaled = true};
+    return parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
+           parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
+           parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
+}
+
+static satin_status learn_far(struct learning *l, struct parallel *pool) {
     const size_t all = (l->cells + l->ranges) * LIGHT_HISTOGRAM_BINS;
     satin_status status = SATIN_ERROR_MEMORY;
     // The loops that trace rays set all of both.
@@ -302,18 +325,12 @@ static satin_status learn_sky(struct learning *l, struct parallel *pool) {
                      {l->entered, LIGHT_HISTOGRAM_BINS * sizeof *l->entered},
                      {l->hidden, sizeof *l->hidden}},
             .journaled = true};
-        const struct parallel_results cells = {
-            .slot = {{l->square, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
-                     {l->traced, LIGHT_HISTOGRAM_BINS * sizeof *l->traced}},
-            .journaled = true};
         const size_t rays = (size_t)l->samples.paths * (size_t)l->samples.box_rays;
         const bool done = guide_box_find(l->scene, l->seed, &l->visibility->cells, rays, pool,
                                          &l->visibility->box) &&
                           parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
                           parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, find_open_bins, l) &&
-                          parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
-                          parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
-                          parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
+                          (!l->visibility->sky || learn_sky(l, pool));
         status = done ? SATIN_OK : SATIN_CANCELLED;
         if (done) find_openings(l);
     }
@@ -337,8 +354,8 @@ static void learn_choices(void *ctx, size_t begin, size_t end, int worker) {
 // Lights are chosen by samples that go by what is visible of the environment.
 static satin_status learn(struct learning *l, struct parallel *pool) {
     struct guide_visibility *visibility = l->visibility;
-    if (visibility->sky) {
-        const satin_status status = learn_sky(l, pool);
+    if (has_far_light(l->scene)) {
+        const satin_status status = learn_far(l, pool);
         if (status != SATIN_OK) return status;
     }
     const struct parallel_results choices = {
@@ -367,7 +384,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
     const bool sky = scene->environment >= 0;
     const bool choice = has_choice(scene);
     *out = NULL;
-    if (!sky && !choice) return SATIN_OK;
+    if (!has_far_light(scene) && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
     if (!visibility || !guide_cells_make(scene, seed, samples.paths, GUIDE_CELL_BOUNCES, pool,
                                          &visibility->cells)) {
@@ -410,10 +427,11 @@ struct light_visibility guide_visibility_at(const struct guide_visibility *visib
 double guide_visibility_most(const struct satin_scene *scene) {
     const struct guide_visibility *v = NULL;
     const struct learning *l = NULL;
-    const double bins = (double)(GUIDE_CELLS_MAX + GUIDE_RANGES) * LIGHT_HISTOGRAM_BINS;
-    const double entered = (double)GUIDE_RANGES * LIGHT_HISTOGRAM_BINS * sizeof *l->entered;
-    if (scene->environment >= 0)
-        return sizeof *v + bins * (double)(sizeof *l->square + sizeof *l->traced) + entered;
+    const size_t of_sky = scene->environment >= 0 ? GUIDE_CELLS_MAX : 0;
+    const double bins = (double)((of_sky + GUIDE_RANGES) * LIGHT_HISTOGRAM_BINS);
+    if (has_far_light(scene))
+        return sizeof *v +
+               bins * (double)(sizeof *l->square + sizeof *l->traced + sizeof *l->entered);
     return has_choice(scene) ? (double)(sizeof *v - sizeof v->histogram - sizeof v->bins) : 0.0;
 }
 

@@ -153,9 +153,7 @@ bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_
                 const float u[4], struct light_ray *out) {
     const struct light *light = &scene->light[i];
     const struct light_aim scene_box = {1, 1, {bounds_of_scene(scene)}, NULL};
-    const bool far = light->kind == LIGHT_DIRECTIONAL || light->kind == LIGHT_CONSTANT ||
-                     light->kind == LIGHT_ENVMAP;
-    if (!aim || (aim->openings && !far)) aim = &scene_box;
+    if (!aim || (aim->openings && !light_is_far(light))) aim = &scene_box;
     out->entering = 1.0f;
     switch (light->kind) {
         case LIGHT_AREA:

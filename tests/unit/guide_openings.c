@@ -23,8 +23,8 @@ static void room_on_ground(struct test_scene *t, enum light_kind kind) {
     test_slit_room(t, true);
     test_rectangle(t, test_transform(v3(0, 0, -2), v3(20, 20, 1)),
                    test_diffuse(t, 0.6f, 0.6f, 0.6f));
-    test_light(t, (struct light){.kind = LIGHT_CONSTANT,
-                                 .value = rgb_grey(kind == LIGHT_CONSTANT ? 1.0f : 0.01f)});
+    if (kind == LIGHT_CONSTANT)
+        test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
     if (kind == LIGHT_DIRECTIONAL)
         test_light(t, (struct light){.kind = LIGHT_DIRECTIONAL,
                                      .direction = v3_unit(v3(-1, 0.1f, -0.4f)),
