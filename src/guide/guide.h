@@ -102,13 +102,14 @@ struct guide_visibility;
 // How much is measured. All numbers are at least 1.
 struct guide_visibility_samples {
     int paths;       // from the eye, on which the points are
+    int paths_most;  // the same if hardly any light comes in; not less than paths
     int box_rays;    // rays per path that find the box whose faces have the bins of directions
     int bin_rays;    // rays through each bin
     int open_bins;   // the largest number of bins through which a cell traces all of them
     int light_rays;  // rays from a cell to each light
 };
-// *out is NULL if there is nothing to measure: if there is a single light that is no environment,
-// if there are more lights than are weighted individually, or if paths from the eye hit nothing.
+// *out is NULL if there is nothing to measure: if no light comes from infinitely far and there is a
+// single one or more than are weighted individually, or if paths from the eye hit nothing.
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed,
                                     struct guide_visibility_samples samples, struct parallel *pool,

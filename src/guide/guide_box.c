@@ -71,20 +71,18 @@ static void trace_rays(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Traces rays until enough arrive. *enough is set to whether they do. False if the pool was
-// stopped.
-static bool trace_batches(struct box_search *search, struct parallel *pool, bool *enough) {
-    size_t arriving = 0;
-    for (int k = 0; k < BOX_BATCHES && arriving < ARRIVING_LEAST; k++) {
+// Traces rays until enough arrive. Sets *arriving to their number. False if the pool was stopped.
+static bool trace_batches(struct box_search *search, struct parallel *pool, size_t *arriving) {
+    *arriving = 0;
+    for (int k = 0; k < BOX_BATCHES && *arriving < ARRIVING_LEAST; k++) {
         if (!parallel_for(pool, search->batch, 64, trace_rays, search)) return false;
         for (size_t i = 0; i < search->batch; i++) {
             const struct traced_ray *ray = &search->ray[search->rays + i];
             search->arriving[ray->cell] += ray->arrives;
-            arriving += ray->arrives;
+            *arriving += ray->arrives;
         }
         search->rays += search->batch;
     }
-    *enough = arriving >= ARRIVING_LEAST;
     return true;
 }
 
@@ -219,17 +217,19 @@ static bool move_faces(struct box_search *search, struct box_faces *faces, float
 }
 
 bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
-                    size_t rays, struct parallel *pool, struct light_box *out) {
+                    size_t rays, struct parallel *pool, struct light_box *out, float *arriving) {
     struct box_search search = {.scene = scene, .cells = cells, .seed = seed, .batch = rays};
     for (size_t i = 0; i < guide_cells_count(cells); i++) search.points += cells->cell[i].count;
     float *sorted = array_new(search.points, sizeof *sorted);
     search.ray = array_new_unset(BOX_BATCHES * rays, sizeof *search.ray);
-    bool enough = false, done = sorted && search.ray && trace_batches(&search, pool, &enough);
+    size_t arrived = 0;
+    bool done = sorted && search.ray && trace_batches(&search, pool, &arrived);
     if (done) {
         struct box_faces faces;
         const float extent = begin_faces(cells, search.points, sorted, scene->radius, &faces);
-        done = !enough || move_faces(&search, &faces, extent, pool);
+        done = arrived < ARRIVING_LEAST || move_faces(&search, &faces, extent, pool);
         *out = moved_box(&faces, 0, faces.chosen[0], extent);
+        *arriving = (float)arrived / (float)search.rays;
     }
     free(search.ray);
     free(sorted);

@@ -37,6 +37,10 @@ enum {
 // 1 and 4 of them leave a variance of light that BRDF samples find, in a room with windows, of
 // .0035, .0014 and .0007; that of light samples does not change. By 16 more samples are hidden.
 #define AROUND 4.0f
+// Where less than this fraction of rays leave the scene, openings are small, and more paths find
+// them: it is .0001 to .0016 through holes and slits of 10 and 5 cm, and .013 or more through
+// windows.
+#define SMALL_OPENINGS 0.004f
 // The least fraction of a light, because a light that no ray has found may be visible.
 #define UNFOUND 0.1f
 
@@ -325,10 +329,7 @@ static satin_status learn_far(struct learning *l, struct parallel *pool) {
                      {l->entered, LIGHT_HISTOGRAM_BINS * sizeof *l->entered},
                      {l->hidden, sizeof *l->hidden}},
             .journaled = true};
-        const size_t rays = (size_t)l->samples.paths * (size_t)l->samples.box_rays;
-        const bool done = guide_box_find(l->scene, l->seed, &l->visibility->cells, rays, pool,
-                                         &l->visibility->box) &&
-                          parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
+        const bool done = parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
                           parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, find_open_bins, l) &&
                           (!l->visibility->sky || learn_sky(l, pool));
         status = done ? SATIN_OK : SATIN_CANCELLED;
@@ -378,6 +379,34 @@ static size_t range_count(size_t cells, int paths) {
     return ranges;
 }
 
+// Makes the cells by so many paths, none if these hit nothing, and finds the box of the histograms.
+// *arriving is set to the fraction of rays that leave the scene.
+static satin_status find_cells_by(struct learning *l, int paths, struct parallel *pool,
+                                  float *arriving) {
+    struct guide_cells *cells = &l->visibility->cells;
+    free(cells->point);
+    cells->point = NULL;
+    if (!guide_cells_make(l->scene, l->seed, paths, GUIDE_CELL_BOUNCES, pool, cells))
+        return SATIN_ERROR_MEMORY;
+    l->cells = cells->cell[0].count > 0 ? guide_cells_count(cells) : 0;
+    l->ranges = range_count(l->cells, paths);
+    *arriving = 1.0f;
+    if (l->cells == 0 || !has_far_light(l->scene)) return SATIN_OK;
+    const size_t rays = (size_t)paths * (size_t)l->samples.box_rays;
+    const bool done =
+        guide_box_find(l->scene, l->seed, cells, rays, pool, &l->visibility->box, arriving);
+    return done ? SATIN_OK : SATIN_CANCELLED;
+}
+
+static satin_status find_cells_and_box(struct learning *l, struct parallel *pool) {
+    float arriving;
+    const satin_status status = find_cells_by(l, l->samples.paths, pool, &arriving);
+    if (status != SATIN_OK || arriving >= SMALL_OPENINGS ||
+        l->samples.paths_most <= l->samples.paths)
+        return status;
+    return find_cells_by(l, l->samples.paths_most, pool, &arriving);
+}
+
 satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed,
                                     struct guide_visibility_samples samples, struct parallel *pool,
                                     struct guide_visibility **out) {
@@ -386,25 +415,16 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
     *out = NULL;
     if (!has_far_light(scene) && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
-    if (!visibility || !guide_cells_make(scene, seed, samples.paths, GUIDE_CELL_BOUNCES, pool,
-                                         &visibility->cells)) {
-        free(visibility);
-        return SATIN_ERROR_MEMORY;
-    }
+    if (!visibility) return SATIN_ERROR_MEMORY;
     visibility->sky = sky;
     visibility->choice = choice;
-    const size_t cells =
-        visibility->cells.cell[0].count > 0 ? guide_cells_count(&visibility->cells) : 0;
-    struct learning learning = {.scene = scene,
-                                .seed = seed,
-                                .samples = samples,
-                                .visibility = visibility,
-                                .cells = cells,
-                                .ranges = range_count(cells, samples.paths)};
-    const satin_status status = cells > 0 ? learn(&learning, pool) : SATIN_OK;
+    struct learning learning = {
+        .scene = scene, .seed = seed, .samples = samples, .visibility = visibility};
+    satin_status status = find_cells_and_box(&learning, pool);
+    if (status == SATIN_OK && learning.cells > 0) status = learn(&learning, pool);
     free(visibility->cells.point);
     visibility->cells.point = NULL;
-    if (status == SATIN_OK && cells > 0)
+    if (status == SATIN_OK && learning.cells > 0)
         *out = visibility;
     else
         free(visibility);
