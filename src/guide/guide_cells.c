@@ -94,6 +94,7 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, int paths,
         for (size_t i = 0; i < count; i++) out->point[i] = found[point[i].item];
     } else {
         free(out->point);
+        out->point = NULL;
     }
     free(found);
     free(point);
