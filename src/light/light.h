@@ -76,6 +76,7 @@ static inline bool light_is_delta(const struct light *light) {
     return light->kind != LIGHT_AREA && light->kind != LIGHT_CONSTANT &&
            light->kind != LIGHT_ENVMAP;
 }
+
 // Whether its light comes from infinitely far away.
 static inline bool light_is_far(const struct light *light) {
     return light->kind == LIGHT_DIRECTIONAL || light->kind == LIGHT_CONSTANT ||

@@ -35,9 +35,9 @@ enum {
 // The least fraction of the photons of an estimate that are on its surface. Thin walls have many
 // more of them on a bright other side, and the entries of the dark side are farther from each other
 // than the radius of such estimates: they fade, and walls of a room on a sunlit ground had .7 of
-// the light of the first bounce. With 0, .08, .12, .18 and .25 the first pass has .978,
-// .987, 1.002, 1.012 and 1.012 of the light of that room. Entries with few photons are those whose
-// estimates are low, so with .5 dark rooms behind a partition are .8 % too bright
+// the light of the first bounce. With 0, .08, .12, .18 and .25 the first pass has .978, .987,
+// 1.002, 1.012 and 1.012 of that room's light. Entries with few photons are those whose estimates
+// are low, so with .5 dark rooms behind a partition are .8 % too bright
 // (docs/experiments/first-passes.md).
 #define COUNTED_LEAST 0.125f
 

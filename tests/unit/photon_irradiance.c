@@ -10,6 +10,34 @@
 #include "base/sampling.h"
 #include "photon/photon.h"
 
+// A scene and the maps of its photons; the scene is set up before.
+struct mapped_scene {
+    struct test_scene t;
+    struct photon_maps *maps;
+};
+
+// Traces so many paths of the global map. Without `gather_direct` it has direct light, too.
+static void map_scene(struct mapped_scene *s, int64_t photons, bool gather_direct) {
+    satin_options o = satin_options_default;
+    o.photons = photons;
+    o.caustic_photons = 0;
+    o.photon_k = 50;
+    o.gather_direct = gather_direct;
+    struct stats stats = {0};
+    struct parallel *pool = parallel_new(2);
+    assert_int_equal(photon_case_build(&s->t.scene, &o, pool, &stats, &s->maps), SATIN_OK);
+    parallel_free(pool);
+}
+
+static rgb read_irradiance(const struct mapped_scene *s, vec3 p, vec3 n, float *radius) {
+    return photon_irradiance_at(s->maps, &s->t.scene, p, n, radius, NULL);
+}
+
+static void free_mapped(struct mapped_scene *s) {
+    photon_maps_free(s->maps);
+    test_scene_free(&s->t);
+}
+
 // Whether gather rays continue from a hit depends on the radius there. If that radius were smaller
 // for brighter estimates, the bright ones would be read and the dark ones would not: with the
 // radius of the estimate's own disc the halves differ by 22 %. One value has a deviation of 14 %,
@@ -17,24 +45,16 @@
 static void radius_does_not_follow_noise(void **state) {
     (void)state;
     enum { POINTS = 3072 };
-    struct test_scene t;
-    test_furnace(&t, 0.5f);
-    satin_options o = satin_options_default;
-    o.photons = 100000;
-    o.caustic_photons = 0;
-    o.photon_k = 50;
-    o.gather_direct = false;
-    struct stats stats = {0};
-    struct photon_maps *maps = NULL;
-    struct parallel *pool = parallel_new(2);
-    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
+    struct mapped_scene s;
+    test_furnace(&s.t, 0.5f);
+    map_scene(&s, 100000, false);
     float E[POINTS], radius[POINTS], sorted[POINTS];
     double all = 0.0, larger = 0.0;
     for (int i = 0; i < POINTS; i++) {
         const vec2 u = sample_sobol2((uint32_t)i, 0);
         const float h = i & 1 ? 1.0f : -1.0f;
         const vec3 p = v3(1.8f * u.x - 0.9f, 1.8f * u.y - 0.9f, h);
-        E[i] = photon_irradiance_at(maps, &t.scene, p, v3(0, 0, -h), &radius[i], NULL).g;
+        E[i] = read_irradiance(&s, p, v3(0, 0, -h), &radius[i]).g;
         sorted[i] = radius[i];
         all += (double)E[i] / (2.0 * M_PI * POINTS);
     }
@@ -46,9 +66,7 @@ static void radius_does_not_follow_noise(void **state) {
                 0.05);
     assert_true(fabs(all - 1.0) < 0.02);
     assert_true(fabs(larger / all - 1.0) < 0.015);  // half the difference of the halves
-    photon_maps_free(maps);
-    parallel_free(pool);
-    test_scene_free(&t);
+    free_mapped(&s);
 }
 
 // A box of half-width .3 with bright walls, and a slit of .002 in its thin lid.
@@ -70,29 +88,22 @@ static void add_box_with_slit(struct test_scene *t, uint32_t bright) {
 static void few_paths_are_not_read(void **state) {
     (void)state;
     enum { POINTS = 1024 };
-    struct test_scene t;
-    test_scene_init(&t);
-    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
-    test_area_light(&t, test_cube(&t, mat4_identity(), true, grey), rgb_grey(1.0f));
-    add_box_with_slit(&t, test_diffuse(&t, 0.998f, 0.998f, 0.998f));
-    test_scene_finish(&t);
-    satin_options o = satin_options_default;
-    o.photons = 100000;
-    o.caustic_photons = 0;
-    o.photon_k = 50;
-    struct stats stats = {0};
-    struct photon_maps *maps = NULL;
-    struct parallel *pool = parallel_new(2);
-    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
+    struct mapped_scene s;
+    test_scene_init(&s.t);
+    const uint32_t grey = test_diffuse(&s.t, 0.5f, 0.5f, 0.5f);
+    test_area_light(&s.t, test_cube(&s.t, mat4_identity(), true, grey), rgb_grey(1.0f));
+    add_box_with_slit(&s.t, test_diffuse(&s.t, 0.998f, 0.998f, 0.998f));
+    test_scene_finish(&s.t);
+    map_scene(&s, 100000, true);
     int lit = 0, read_inside = 0, read_outside = 0;
     for (int i = 0; i < POINTS; i++) {
         const vec2 u = sample_sobol2((uint32_t)i, 0);
         const vec3 p = v3(0.6f * u.x - 0.3f, 0.6f * u.y - 0.3f, -0.3f), up = v3(0, 0, 1);
         float radius;
-        const rgb E = photon_irradiance_at(maps, &t.scene, p, up, &radius, NULL);
+        const rgb E = read_irradiance(&s, p, up, &radius);
         lit += E.g > 0.0f;
         read_inside += isfinite(radius);
-        photon_irradiance_at(maps, &t.scene, v3_sub(p, v3(0, 0, 0.3f)), v3_neg(up), &radius, NULL);
+        read_irradiance(&s, v3_sub(p, v3(0, 0, 0.3f)), v3_neg(up), &radius);
         read_outside += isfinite(radius);
     }
     print_message("of %d points inside %d are lit, and %d read; of those outside, %d\n", POINTS,
@@ -100,9 +111,7 @@ static void few_paths_are_not_read(void **state) {
     assert_true(lit == POINTS);
     assert_true(read_inside < POINTS / 4);
     assert_true(read_outside == POINTS);
-    photon_maps_free(maps);
-    parallel_free(pool);
-    test_scene_free(&t);
+    free_mapped(&s);
 }
 
 // A floor behind a wall, over a ground that begins a twentieth lower and goes on outside, where a
@@ -110,42 +119,30 @@ static void few_paths_are_not_read(void **state) {
 static void floor_does_not_read_the_ground(void **state) {
     (void)state;
     enum { POINTS = 64 };
-    struct test_scene t;
-    test_scene_init(&t);
-    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    struct mapped_scene s;
+    test_scene_init(&s.t);
+    const uint32_t grey = test_diffuse(&s.t, 0.5f, 0.5f, 0.5f);
     const struct mat4 across = mat4_rotate(v3(0, 1, 0), 90.0f),
                       wall = test_transform(v3(1, 0, 1), v3(1, 4, 1));
-    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 4, 1)), grey);
-    test_rectangle(&t, test_transform(v3(0, 0, -0.05f), v3(4, 4, 1)), grey);
-    test_rectangle(&t, mat4_mul(&wall, &across), grey);
-    test_light(&t, (struct light){
-                       .kind = LIGHT_POINT, .position = v3(2.5f, 0, 1), .value = rgb_grey(10.0f)});
-    test_scene_finish(&t);
-    satin_options o = satin_options_default;
-    o.photons = 100000;
-    o.caustic_photons = 0;
-    o.gather_direct = false;
-    struct stats stats = {0};
-    struct photon_maps *maps = NULL;
-    struct parallel *pool = parallel_new(2);
-    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
+    test_rectangle(&s.t, test_transform(v3(0, 0, 0), v3(1, 4, 1)), grey);
+    test_rectangle(&s.t, test_transform(v3(0, 0, -0.05f), v3(4, 4, 1)), grey);
+    test_rectangle(&s.t, mat4_mul(&wall, &across), grey);
+    test_light(
+        &s.t,
+        (struct light){.kind = LIGHT_POINT, .position = v3(2.5f, 0, 1), .value = rgb_grey(10.0f)});
+    test_scene_finish(&s.t);
+    map_scene(&s, 100000, false);
     double inside = 0.0, outside = 0.0;
     for (int i = 0; i < POINTS; i++) {
         const vec2 u = sample_sobol2((uint32_t)i, 0);
         const float along = 0.01f + 0.2f * u.x, y = u.y - 0.5f;
         float radius;
-        inside += (double)photon_irradiance_at(maps, &t.scene, v3(1 - along, y, 0), v3(0, 0, 1),
-                                               &radius, NULL)
-                      .g;
-        outside += (double)photon_irradiance_at(maps, &t.scene, v3(1 + along, y, -0.05f),
-                                                v3(0, 0, 1), &radius, NULL)
-                       .g;
+        inside += (double)read_irradiance(&s, v3(1 - along, y, 0), v3(0, 0, 1), &radius).g;
+        outside += (double)read_irradiance(&s, v3(1 + along, y, -0.05f), v3(0, 0, 1), &radius).g;
     }
     print_message("inside %.4f of outside\n", inside / outside);
     assert_true(outside > 0.1 * POINTS && inside < 0.02 * outside);
-    photon_maps_free(maps);
-    parallel_free(pool);
-    test_scene_free(&t);
+    free_mapped(&s);
 }
 
 // A thin wall between two lamps, of which one is 20 times as bright: of the photons near the dark
@@ -154,23 +151,16 @@ static void dark_side_of_a_thin_wall(void **state) {
     (void)state;
     enum { POINTS = 1024 };
     const float dark = 0.05f;
-    struct test_scene t;
-    test_scene_init(&t);
-    const uint32_t grey = test_diffuse(&t, 0.1f, 0.1f, 0.1f);
-    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
+    struct mapped_scene s;
+    test_scene_init(&s.t);
+    const uint32_t grey = test_diffuse(&s.t, 0.1f, 0.1f, 0.1f);
+    test_rectangle(&s.t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
     for (int side = -1; side <= 1; side += 2) {
         const struct mat4 lamp = test_transform(v3(0, 0, 1.1f * (float)side), v3(1, 1, 0.1f));
-        test_area_light(&t, test_cube(&t, lamp, false, grey), rgb_grey(side > 0 ? 1.0f : dark));
+        test_area_light(&s.t, test_cube(&s.t, lamp, false, grey), rgb_grey(side > 0 ? 1.0f : dark));
     }
-    test_scene_finish(&t);
-    satin_options o = satin_options_default;
-    o.photons = 200000;
-    o.caustic_photons = 0;
-    o.gather_direct = false;
-    struct stats stats = {0};
-    struct photon_maps *maps = NULL;
-    struct parallel *pool = parallel_new(2);
-    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
+    test_scene_finish(&s.t);
+    map_scene(&s, 200000, false);
     double E[2] = {0.0};
     int read[2] = {0};
     for (int i = 0; i < POINTS; i++) {
@@ -179,7 +169,7 @@ static void dark_side_of_a_thin_wall(void **state) {
         for (int up = 0; up < 2; up++) {
             const vec3 n = v3(0, 0, up ? 1.0f : -1.0f);
             float radius;
-            const rgb found = photon_irradiance_at(maps, &t.scene, p, n, &radius, NULL);
+            const rgb found = read_irradiance(&s, p, n, &radius);
             if (!isfinite(radius)) continue;
             E[up] += (double)found.g;
             read[up]++;
@@ -188,9 +178,7 @@ static void dark_side_of_a_thin_wall(void **state) {
     const double light = E[0] / read[0] / (E[1] / read[1] * (double)dark);
     print_message("%.3f of the light, at %d points\n", light, read[0]);
     assert_true(read[0] > POINTS / 2 && fabs(light - 1.0) < 0.1);
-    photon_maps_free(maps);
-    parallel_free(pool);
-    test_scene_free(&t);
+    free_mapped(&s);
 }
 
 int main(void) {
