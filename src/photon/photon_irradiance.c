@@ -71,8 +71,8 @@ static struct photon_clearing find_clearing(const struct photon_precompute *what
 // The disc of an entry by the k nearest photons, whose area is measured unless it is in the
 // clearing.
 static void make_disc(const struct photon_precompute *what, size_t entry, int k,
-                      const struct photon_clearing *clearing, const int *row,
-                      const float *distance2, struct photon_disc *out) {
+                      const struct photon_clearing *clearing, int *row, float *distance2,
+                      struct photon_disc *out) {
     struct photon_query query = query_of(what, entry);
     query.k = k;
     photon_disc_make(&query, row, distance2, out);
@@ -80,6 +80,7 @@ static void make_disc(const struct photon_precompute *what, size_t entry, int k,
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, out);
     }
+    photon_disc_drop_layers(what->scene, row, distance2, out);
 }
 
 // Memory for the photons of one disc.
@@ -109,8 +110,7 @@ static void widen_disc(const struct photon_precompute *what, size_t entry, struc
 }
 
 static void precompute_one(struct precompute_loop *loop, size_t entry,
-                           const struct photon_clearing *clearing, const int *row,
-                           const float *distance2) {
+                           const struct photon_clearing *clearing, int *row, float *distance2) {
     const struct photon_precompute *what = loop->what;
     struct wide_disc wide;
     struct photon_disc disc;

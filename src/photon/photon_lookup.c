@@ -17,14 +17,22 @@ static bool has_orientation(const struct photon_irradiance *r, int row, vec3 n) 
     return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
 }
 
-// Makes the ray from p to the position, a little above the surface. False if they are equal.
-static bool ray_to_position(vec3 position, const struct satin_scene *scene, vec3 p, vec3 n,
-                            struct ray *out) {
-    vec3 d = v3_sub(position, p);
-    float distance = v3_len(d);
+static vec3 entry_normal(const struct photon_positions *positions, size_t i) {
+    const float *row = positions->row + 6 * i, s = 1.0f / positions->scale;
+    return v3(s * row[3], s * row[4], s * row[5]);
+}
+
+// Makes the ray from p to position i, a little above the surface, or where there is a step between
+// them halfway up to the higher one. False if they are equal.
+static bool ray_to_position(const struct photon_positions *positions, size_t i,
+                            const struct satin_scene *scene, vec3 p, vec3 n, struct ray *out) {
+    const vec3 position = photon_entry_position(positions, i), d = v3_sub(position, p);
+    const float distance = v3_len(d);
     if (!(distance > 0.0f)) return false;
+    const float step = fabsf(photon_layer_step(p, n, position, entry_normal(positions, i)));
+    const float lift = fminf(SCENE_LIFT * distance, step > 0.0f ? 0.5f * step : INFINITY);
     *out = scene_spawn(scene, p, n, n);
-    out->o = v3_mad(out->o, SCENE_LIFT * distance, n);
+    out->o = v3_mad(out->o, lift, n);
     out->d = v3_mul(d, 1.0f / distance);
     out->tfar = distance;
     return true;
@@ -32,27 +40,27 @@ static bool ray_to_position(vec3 position, const struct satin_scene *scene, vec3
 
 bool photon_irradiance_visible(const struct photon_irradiance *r, const struct satin_scene *scene,
                                int entry, vec3 p, vec3 n) {
-    const vec3 position = photon_entry_position(&r->position, (size_t)entry);
     struct ray ray;
-    return !(ray_to_position(position, scene, p, n, &ray) && scene_occluded(scene, &ray));
+    return !(ray_to_position(&r->position, (size_t)entry, scene, p, n, &ray) &&
+             scene_occluded(scene, &ray));
 }
 
 // Whether p is on the surface around entry i that no wall and no edge cuts: as near as that, and
 // not on another surface above or beneath it, such as a floor over the ground outside.
-static bool is_on_clear_surface(const struct photon_positions *positions, size_t i, vec3 position,
-                                vec3 p) {
-    const float *m = positions->row + 6 * i + 3;
+static bool is_on_clear_surface(const struct photon_positions *positions, size_t i, vec3 p,
+                                vec3 n) {
+    const vec3 position = photon_entry_position(positions, i), m = entry_normal(positions, i);
     const float clear = positions->clear[i], d2 = v3_dist2(position, p),
-                height = v3_dot(v3_sub(p, position), v3(m[0], m[1], m[2])) / positions->scale;
-    return d2 <= clear * clear && height * height <= sqrf(SCENE_LIFT) * d2;
+                height = v3_dot(v3_sub(p, position), m);
+    return d2 <= clear * clear && height * height <= sqrf(SCENE_LIFT) * d2 &&
+           photon_layer_step(p, n, position, m) == 0.0f;
 }
 
 // Makes the ray from p to position i. False if nothing can be between them.
 static bool ray_to_entry(const struct photon_positions *positions, const struct satin_scene *scene,
                          size_t i, vec3 p, vec3 n, struct ray *out) {
-    const vec3 position = photon_entry_position(positions, i);
-    return !is_on_clear_surface(positions, i, position, p) &&
-           ray_to_position(position, scene, p, n, out);
+    return !is_on_clear_surface(positions, i, p, n) &&
+           ray_to_position(positions, i, scene, p, n, out);
 }
 
 bool photon_entry_position_hidden(const struct photon_positions *positions,

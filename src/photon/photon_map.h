@@ -296,6 +296,11 @@ void photon_disc_find(const struct photon_query *query, int *row, float *distanc
 // Makes the disc of the k rows that photon_index_nearest found for the query.
 void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
                       struct photon_disc *out);
+// Removes the photons that do not count from those of a disc, whose row and distance2 these are:
+// those that are not within its radius or on its surface, and those of a surface behind its own one
+// or before it. A ray finds whether it is another one, or curved or stepped.
+void photon_disc_drop_layers(const struct satin_scene *scene, int *row, float *distance2,
+                             struct photon_disc *disc);
 // Sets the scale of a disc whose other members are set, by the area of the surface in it, which is
 // measured in the scene; NULL: that of the whole disc.
 void photon_disc_scale(struct photon_disc *disc, const struct satin_scene *scene);
@@ -335,6 +340,11 @@ float photon_disc_counted(const struct photon_disc *disc, float most);
 float photon_disc_variance(const struct photon_disc *disc);
 // The least distance from the centre to a wall or an edge, by the sectors of the disc.
 float photon_disc_clear(const struct photon_disc *disc);
+
+// The height of the step from p, of unit normal n, to q, of unit normal m: > 0 if q is higher; 0 if
+// there is none, as both are before the plane of the other or both are behind it, or it is less
+// than a hundredth of their distance (photon_layer.c).
+float photon_layer_step(vec3 p, vec3 n, vec3 q, vec3 m);
 
 // ---- Irradiance at photons (photon_irradiance.c) ------------------------------------------------
 

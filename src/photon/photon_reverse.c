@@ -134,14 +134,18 @@ static void add_photons(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end && run->map.count > 0 && !atomic_load(&run->failed); i++) {
         struct photon_disc disc;
         if (!disc_of(run, i, &disc)) continue;
-        if (!find_rows(&disc, &found)) atomic_store(&run->failed, true);
+        if (!find_rows(&disc, &found)) {
+            atomic_store(&run->failed, true);
+            break;
+        }
         disc.row = found.row;
         disc.distance2 = found.distance2;
         disc.count = found.count;
+        photon_disc_drop_layers(run->what->tracing->scene, found.row, found.distance2, &disc);
         disc.scale = run->disc[i].scale;
         disc.corrected = run->disc[i].area >= 0;
         if (disc.corrected) disc.area = run->area[run->disc[i].area];
-        if (!atomic_load(&run->failed)) add_batch_light(run, i, &disc);
+        add_batch_light(run, i, &disc);
     }
     free(found.row);
     free(found.distance2);
