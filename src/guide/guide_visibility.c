@@ -1,42 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures which lights are visible from which cells. The environment is visible through a window
-// in a small fraction of all directions, and a lamp in the next room not at all, so that most
-// samples of direct light would be occluded. Rays from the points of each cell measure in which
-// bins of directions the environment is visible and which fraction of each light arrives. Direct
-// light is sampled by both.
+// Measures which lights are visible from which cells: a lamp in the next room is not, and of the
+// environment only what windows show (guide_sky.c). Rays from the points of each cell measure which
+// fraction of each light arrives. Direct light is sampled by both.
 #include "guide/guide_visibility.h"
 
 #include <limits.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "base/array.h"
-#include "base/sampling.h"
-
-enum {
-    // Ranges of consecutive cells, which find out which bins are open: one for so many paths.
-    GUIDE_RANGES = 32,
-    RANGE_PATHS = 128,
-    BINS_CHUNK = 16  // bins or cells per chunk of the loops without rays
-};
-
-// The weight of a bin beside one where the environment is visible, as a fraction of that one's,
-// because rays are few. For photons through openings, .1, .25 and 1 leave a variance of .00034,
-// .00042 and .00144 of means over 5x5 pixels of the indirect light of a room with a slit of 2 cm.
-#define BESIDE 0.1f
-// Fraction of the samples that is drawn by bins. Sampling by radiance is useless for a constant
-// sky, and good for an image where all of it is visible. Samples by radiance that find light where
-// the bins are dark are rare and bright: with .75 instead of .9, records on the ceiling of a room
-// with windows deviate by 8.3 % instead of 7.2. Hardly any arrive, but with .97 they are three
-// times as bright: the error of living-room at equal time is the same, but 11.5 instead of 2.3
-// pixels per image have more than twice the diffuse indirect light of other seeds, and one image in
-// six had a disc of ten times the light.
-#define FRACTION 0.9f
-// The rays of a cell are few, and a bin in which they find nothing may be visible from another
-// point of the cell. So in each bin the mean of the cells around counts as this many rays more. 0,
-// 1 and 4 of them leave a variance of light that BRDF samples find, in a room with windows, of
-// .0035, .0014 and .0007; that of light samples does not change. By 16 more samples are hidden.
-#define AROUND 4.0f
 // Where less than this fraction of rays leave the scene, openings are small, and more paths find
 // them: it is .0001 to .0016 through holes and slits of 10 and 5 cm, and .013 or more through
 // windows.
@@ -49,203 +19,14 @@ struct learning {
     uint64_t seed;
     struct guide_visibility_samples samples;
     struct guide_visibility *visibility;
-    size_t cells, ranges;
-    // The sum of what rays have found, later its mean, and their number: for cell c and bin b at b
-    // + bins c, and for range g at cells + g instead of c.
-    float *square;
-    uint8_t *traced;
-    // For range g and bin b, at b + bins g: whether the environment is visible there from points in
-    // the box.
-    uint8_t *entered;
-    // For each range the fraction of the environment that points face but that is hidden from them.
-    float hidden[GUIDE_RANGES];
-    // For each bin, whether cells trace rays through it; and whether those do that are in the box.
-    bool *open, *open_within;
+    size_t cells;
+    int paths;  // by which they were made
 };
 
 static bool has_far_light(const struct satin_scene *scene) {
     for (uint32_t i = 0; i < scene->light_count; i++)
         if (light_is_far(&scene->light[i])) return true;
     return false;
-}
-
-// ---- Environment -------------------------------------------------------------------------------
-
-// Without an environment, as for a sun alone, the bins that are open to the outside are found as if
-// there were a constant one: what the sun lights there may light the room.
-static float environment_luminance(const struct learning *l, vec3 w) {
-    return l->visibility->sky ? rgb_luminance(light_environment(l->scene, w)) : 1.0f;
-}
-
-// What rays find of the environment: sums of the root of luminance times solid angle where it is
-// visible, and of all that the points face.
-struct sky_tally {
-    float visible, facing;
-    bool entered;  // whether it is visible in the last bin from points in the box
-};
-
-static size_t learned_at(size_t i, size_t bin) { return LIGHT_HISTOGRAM_BINS * i + bin; }
-
-// Traces rays from the points through a bin, at most one per point. Stores the sum of the squares
-// of what the bin contributes to E, radiance times cosine times solid angle, and their number.
-static void trace_bin(struct learning *l, size_t i, const struct guide_cell *cell, int bin,
-                      int wanted, struct rng *rng, struct sky_tally *tally) {
-    const size_t first = rng_u32(rng) % cell->count;
-    const size_t rays = cell->count < (size_t)wanted ? cell->count : (size_t)wanted;
-    float squares = 0.0f;
-    tally->entered = false;
-    for (size_t k = 0; k < rays; k++) {
-        const struct guide_cell_point *p = &cell->point[(first + k) % cell->count];
-        const float u = rng_float(rng), v = rng_float(rng);
-        float density;
-        const vec3 w = light_box_direction(&l->visibility->box, p->p, bin, u, v, &density);
-        if (!p->both && !(v3_dot(w, p->n) > 0.0f)) continue;
-        const float L = environment_luminance(l, w);
-        if (!(L > 0.0f)) continue;
-        tally->facing += sqrtf(L) / density;
-        struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
-        if (!light_arrives(l->scene, p->p, p->ng, INT_MAX, &sample)) continue;
-        tally->visible += sqrtf(L) / density;
-        tally->entered |= v3_within(p->p, l->visibility->box.lo, l->visibility->box.hi);
-        squares += sqrf(L * v3_dot(w, p->n) / density);
-    }
-    l->square[learned_at(i, (size_t)bin)] = squares;
-    l->traced[learned_at(i, (size_t)bin)] = (uint8_t)rays;
-}
-
-// The points of the cells of range g.
-static struct guide_cell range_points(const struct learning *l, size_t g) {
-    const size_t each = l->cells / l->ranges;
-    struct guide_cell all = {l->visibility->cells.cell[g * each].point, 0};
-    for (size_t i = 0; i < each; i++) all.count += l->visibility->cells.cell[g * each + i].count;
-    return all;
-}
-
-static void trace_range(struct learning *l, size_t g, struct rng *rng) {
-    const struct guide_cell points = range_points(l, g);
-    struct sky_tally tally = {0.0f, 0.0f, false};
-    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
-        trace_bin(l, l->cells + g, &points, bin, l->samples.bin_rays, rng, &tally);
-        l->entered[learned_at(g, (size_t)bin)] = tally.entered;
-    }
-    l->hidden[g] = tally.visible > 0.0f ? 1.0f - tally.visible / tally.facing : 1.0f;
-}
-
-// Finds the bins in which some range has found the environment, from any point and from one in the
-// box, and those beside them.
-static void find_open_bins(void *ctx, size_t begin, size_t end, int worker) {
-    struct learning *l = ctx;
-    (void)worker;
-    for (size_t bin = begin; bin < end; bin++) {
-        int around[9];
-        for (int i = light_box_around((int)bin, around); i-- > 0;)
-            for (size_t g = 0; g < l->ranges; g++) {
-                l->open[bin] |= l->square[learned_at(l->cells + g, (size_t)around[i])] > 0.0f;
-                l->open_within[bin] |= l->entered[learned_at(g, (size_t)around[i])] > 0;
-            }
-    }
-}
-
-// The openings for photons are the bins in which some range has found the environment from points
-// in the box: light that comes in there arrives at these. Bins that are open from points outside it
-// alone, such as the ground before a window, count as those beside the open ones.
-static void find_openings(const struct learning *l) {
-    struct guide_visibility *visibility = l->visibility;
-    float weight[LIGHT_HISTOGRAM_BINS];
-    for (size_t bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
-        weight[bin] = l->open[bin] ? BESIDE : 0.0f;
-        for (size_t g = 0; g < l->ranges; g++)
-            if (l->entered[learned_at(g, bin)]) weight[bin] = 1.0f;
-    }
-    guide_openings_make(l->scene, &visibility->box, weight, &visibility->openings,
-                        &visibility->aim);
-}
-
-// The bins through which a cell traces rays. From points in the box, light of the others is hidden.
-static const bool *open_bins(const struct learning *l, const struct guide_cell *cell) {
-    const struct light_box *box = &l->visibility->box;
-    for (size_t i = 0; i < cell->count; i++)
-        if (!v3_within(cell->point[i].p, box->lo, box->hi)) return l->open;
-    return l->open_within;
-}
-
-// A cell traces as many rays as if a certain number of bins had all rays.
-static void trace_cell(struct learning *l, size_t i, struct rng *rng) {
-    memset(&l->square[learned_at(i, 0)], 0, LIGHT_HISTOGRAM_BINS * sizeof *l->square);
-    memset(&l->traced[learned_at(i, 0)], 0, LIGHT_HISTOGRAM_BINS * sizeof *l->traced);
-    const struct guide_cell *cell = &l->visibility->cells.cell[i];
-    const bool *open = open_bins(l, cell);
-    int bins = 0;
-    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) bins += open[bin];
-    const float all = (float)l->samples.open_bins / (float)bins;
-    const float rays = (float)l->samples.bin_rays * fminf(all, 1.0f);
-    struct sky_tally unused = {0.0f, 0.0f, false};
-    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
-        if (!open[bin]) continue;
-        const int wanted = (int)(rays + rng_float(rng));
-        if (wanted > 0) trace_bin(l, i, cell, bin, wanted, rng, &unused);
-    }
-}
-
-// Replaces the sums of the squares of the cells by their means, bin by bin: each node of the tree
-// of cells adds the mean of its parent to the rays in it.
-static void mean_squares(void *ctx, size_t begin, size_t end, int worker) {
-    const struct learning *l = ctx;
-    const size_t cells = l->cells;
-    // These are of the nodes of the tree, and the cells come last.
-    float sum[2 * GUIDE_CELLS_MAX], rays[2 * GUIDE_CELLS_MAX];
-    (void)worker;
-    for (size_t bin = begin; bin < end; bin++) {
-        if (!l->open[bin]) continue;
-        for (size_t i = 0; i < cells; i++) {
-            sum[cells - 1 + i] = l->square[learned_at(i, bin)];
-            rays[cells - 1 + i] = (float)l->traced[learned_at(i, bin)];
-        }
-        for (size_t n = cells - 1; n-- > 0;) {
-            sum[n] = sum[2 * n + 1] + sum[2 * n + 2];
-            rays[n] = rays[2 * n + 1] + rays[2 * n + 2];
-            if (n + 1 < l->ranges || n + 1 >= 2 * l->ranges) continue;
-            const size_t range = learned_at(cells + n + 1 - l->ranges, bin);
-            sum[n] += l->square[range];
-            rays[n] += (float)l->traced[range];
-        }
-        sum[0] = rays[0] > 0.0f ? sum[0] / rays[0] : 0.0f;
-        for (size_t n = 1; n < 2 * cells - 1; n++)
-            sum[n] = (sum[n] + AROUND * sum[(n - 1) / 2]) / (rays[n] + AROUND);
-        for (size_t i = 0; i < cells; i++) l->square[learned_at(i, bin)] = sum[cells - 1 + i];
-    }
-}
-
-// The weight of a bin is the root mean square of what it contributes to E: by these densities the
-// sum of the variances at all points of the cell is least.
-static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
-    const struct learning *l = ctx;
-    const struct light *light = &l->scene->light[l->scene->environment];
-    struct guide_visibility *visibility = l->visibility;
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        const bool *open = open_bins(l, &visibility->cells.cell[i]);
-        float found[LIGHT_HISTOGRAM_BINS], weight[LIGHT_HISTOGRAM_BINS], most = 0.0f;
-        for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
-            found[bin] = open[bin] ? sqrtf(l->square[learned_at(i, (size_t)bin)]) : 0.0f;
-            most = fmaxf(most, found[bin]);
-        }
-        if (!(most > 0.0f)) continue;  // the fraction stays 0
-        for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
-            int around[9];
-            float beside = 0.0f;
-            weight[bin] = 0.0f;
-            if (!open[bin]) continue;
-            for (int k = light_box_around(bin, around); k-- > 0;)
-                beside = fmaxf(beside, found[around[k]]);
-            weight[bin] = fmaxf(found[bin], BESIDE * beside);
-        }
-        light_bins_build(weight, &visibility->bins[i]);
-        const float hidden =
-            light->kind == LIGHT_CONSTANT ? 1.0f : l->hidden[i / (l->cells / l->ranges)];
-        visibility->histogram[i] =
-            (struct light_histogram){FRACTION * hidden, &visibility->bins[i], &visibility->box};
-    }
 }
 
 // ---- Lights -----------------------------------------------------------------------------------
@@ -283,66 +64,6 @@ static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
 
 // ---- The whole --------------------------------------------------------------------------------
 
-static void trace_range_bins(void *ctx, size_t begin, size_t end, int worker) {
-    struct learning *l = ctx;
-    (void)worker;
-    for (size_t g = begin; g < end; g++) {
-        struct rng rng = rng_make(l->seed, RNG_VISIBILITY, 2 * l->cells + g);
-        trace_range(l, g, &rng);
-    }
-}
-
-static void trace_cell_bins(void *ctx, size_t begin, size_t end, int worker) {
-    struct learning *l = ctx;
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        struct rng rng = rng_make(l->seed, RNG_VISIBILITY, l->cells + i);
-        trace_cell(l, i, &rng);
-    }
-}
-
-// Learns what the cells see of the sky. False if the pool was stopped.
-static bool learn_sky(struct learning *l, struct parallel *pool) {
-    const struct parallel_results cells = {
-        .slot = {{l->square, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
-                 {l->traced, LIGHT_HISTOGRAM_BINS * sizeof *l->traced}},
-        .journaled = true};
-    return parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
-           parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
-           parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
-}
-
-static satin_status learn_far(struct learning *l, struct parallel *pool) {
-    const size_t all = (l->cells + l->ranges) * LIGHT_HISTOGRAM_BINS;
-    satin_status status = SATIN_ERROR_MEMORY;
-    // The loops that trace rays set all of both.
-    l->square = array_new_unset(all, sizeof *l->square);
-    l->traced = array_new_unset(all, sizeof *l->traced);
-    l->entered = array_new_unset(l->ranges * LIGHT_HISTOGRAM_BINS, sizeof *l->entered);
-    l->open = array_new(LIGHT_HISTOGRAM_BINS, sizeof *l->open);
-    l->open_within = array_new(LIGHT_HISTOGRAM_BINS, sizeof *l->open_within);
-    if (l->square && l->traced && l->entered && l->open && l->open_within) {
-        const size_t first = l->cells * LIGHT_HISTOGRAM_BINS;
-        const struct parallel_results ranges = {
-            .slot = {{l->square + first, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
-                     {l->traced + first, LIGHT_HISTOGRAM_BINS * sizeof *l->traced},
-                     {l->entered, LIGHT_HISTOGRAM_BINS * sizeof *l->entered},
-                     {l->hidden, sizeof *l->hidden}},
-            .journaled = true};
-        const bool done = parallel_for_results(pool, l->ranges, 1, trace_range_bins, l, &ranges) &&
-                          parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, find_open_bins, l) &&
-                          (!l->visibility->sky || learn_sky(l, pool));
-        status = done ? SATIN_OK : SATIN_CANCELLED;
-        if (done) find_openings(l);
-    }
-    free(l->square);
-    free(l->traced);
-    free(l->entered);
-    free(l->open);
-    free(l->open_within);
-    return status;
-}
-
 static void learn_choices(void *ctx, size_t begin, size_t end, int worker) {
     const struct learning *l = ctx;
     (void)worker;
@@ -356,7 +77,8 @@ static void learn_choices(void *ctx, size_t begin, size_t end, int worker) {
 static satin_status learn(struct learning *l, struct parallel *pool) {
     struct guide_visibility *visibility = l->visibility;
     if (has_far_light(l->scene)) {
-        const satin_status status = learn_far(l, pool);
+        const satin_status status =
+            guide_sky_learn(l->scene, l->seed, l->samples, l->paths, pool, visibility);
         if (status != SATIN_OK) return status;
     }
     const struct parallel_results choices = {
@@ -370,15 +92,6 @@ static bool has_choice(const struct satin_scene *scene) {
     return scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHTS_MAX;
 }
 
-// The number of ranges, a power of two as that of the cells.
-static size_t range_count(size_t cells, int paths) {
-    size_t ranges = 1;
-    while (2 * ranges <= cells && 2 * ranges <= GUIDE_RANGES &&
-           2 * ranges * RANGE_PATHS <= (size_t)paths)
-        ranges *= 2;
-    return ranges;
-}
-
 // Makes the cells by so many paths, none if these hit nothing, and finds the box of the histograms.
 // *arriving is set to the fraction of rays that leave the scene.
 static satin_status find_cells_by(struct learning *l, int paths, struct parallel *pool,
@@ -389,7 +102,7 @@ static satin_status find_cells_by(struct learning *l, int paths, struct parallel
     if (!guide_cells_make(l->scene, l->seed, paths, GUIDE_CELL_BOUNCES, pool, cells))
         return SATIN_ERROR_MEMORY;
     l->cells = cells->cell[0].count > 0 ? guide_cells_count(cells) : 0;
-    l->ranges = range_count(l->cells, paths);
+    l->paths = paths;
     *arriving = 1.0f;
     if (l->cells == 0 || !has_far_light(l->scene)) return SATIN_OK;
     const size_t rays = (size_t)paths * (size_t)l->samples.box_rays;
@@ -443,15 +156,9 @@ struct light_visibility guide_visibility_at(const struct guide_visibility *visib
         visibility->choice ? visibility->visible[i] : NULL};
 }
 
-// Pages that nothing writes take no memory.
 double guide_visibility_most(const struct satin_scene *scene) {
     const struct guide_visibility *v = NULL;
-    const struct learning *l = NULL;
-    const size_t of_sky = scene->environment >= 0 ? GUIDE_CELLS_MAX : 0;
-    const double bins = (double)((of_sky + GUIDE_RANGES) * LIGHT_HISTOGRAM_BINS);
-    if (has_far_light(scene))
-        return sizeof *v +
-               bins * (double)(sizeof *l->square + sizeof *l->traced + sizeof *l->entered);
+    if (has_far_light(scene)) return sizeof *v + guide_sky_most(scene);
     return has_choice(scene) ? (double)(sizeof *v - sizeof v->histogram - sizeof v->bins) : 0.0;
 }
 

@@ -37,4 +37,15 @@ struct guide_visibility {
                                                         // estimate; > 0
 };
 
+// ---- The environment (guide_sky.c) --------------------------------------------------------------
+
+// Measures what the cells see of the environment through the bins of the box, both of which must be
+// known, and sets the histograms, the openings and the aim. The cells were made by so many paths.
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status guide_sky_learn(const struct satin_scene *scene, uint64_t seed,
+                             struct guide_visibility_samples samples, int paths,
+                             struct parallel *pool, struct guide_visibility *visibility);
+// The most bytes that this takes.
+double guide_sky_most(const struct satin_scene *scene);
+
 #endif
