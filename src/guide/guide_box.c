@@ -8,6 +8,7 @@
 // the densities that are best for all these points together. The points outside the box have one
 // bin for all directions. The faces are moved one by one to where the moment is least.
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -23,7 +24,8 @@ enum {
     // more rays are traced, up to BOX_BATCHES times as many.
     ARRIVING_LEAST = 256,
     BOX_BATCHES = 4,
-    BOX_OFFSETS = 6
+    BOX_OFFSETS = 6,
+    BOX_FEW = 1  // the index of the offset of a face that few points are beyond
 };
 // The offsets of a face: fractions of the points that are beyond it.
 static const float BOX_BEYOND[BOX_OFFSETS] = {0.0f, 0.005f, 0.02f, 0.05f, 0.1f, 0.2f};
@@ -140,6 +142,7 @@ static void measure_boxes(void *ctx, size_t begin, size_t end, int worker) {
 struct box_faces {
     float offset[6][BOX_OFFSETS];  // those that differ, beginning with one around all points
     int count[6], chosen[6];       // of these offsets
+    int few[6];                    // that of BOX_FEW among them
 };
 
 static void find_offsets(const float *sorted, size_t points, bool upper, int face,
@@ -150,6 +153,7 @@ static void find_offsets(const float *sorted, size_t points, bool upper, int fac
         const float at = sorted[upper ? points - 1 - beyond : beyond];
         const int last = faces->count[face] - 1;
         if (last < 0 || offset[last] != at) offset[faces->count[face]++] = at;
+        if (i == BOX_FEW) faces->few[face] = faces->count[face] - 1;
     }
 }
 
@@ -216,6 +220,21 @@ static bool move_faces(struct box_search *search, struct box_faces *faces, float
     return true;
 }
 
+// Moves the faces that are far outside because of few points. Where hardly any ray arrives, a
+// single path from the eye through a hole has made the box 2.4 m longer than the room, and the bins
+// of the hole were wrong. What lies within a bin of the face stays in the box.
+static void leave_few(struct box_faces *faces) {
+    for (int axis = 0; axis < 3; axis++) {
+        const float *lower = faces->offset[2 * axis], *upper = faces->offset[2 * axis + 1];
+        const float bin = (upper[0] - lower[0]) / LIGHT_HISTOGRAM_SIDE;
+        for (int face = 2 * axis; face < 2 * axis + 2; face++) {
+            const float *offset = faces->offset[face];
+            if (fabsf(offset[faces->few[face]] - offset[0]) > bin)
+                faces->chosen[face] = faces->few[face];
+        }
+    }
+}
+
 bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
                     size_t rays, struct parallel *pool, struct light_box *out, float *arriving) {
     struct box_search search = {.scene = scene, .cells = cells, .seed = seed, .batch = rays};
@@ -227,7 +246,10 @@ bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct
     if (done) {
         struct box_faces faces;
         const float extent = begin_faces(cells, search.points, sorted, scene->radius, &faces);
-        done = arrived < ARRIVING_LEAST || move_faces(&search, &faces, extent, pool);
+        if (arrived >= ARRIVING_LEAST)
+            done = move_faces(&search, &faces, extent, pool);
+        else
+            leave_few(&faces);
         *out = moved_box(&faces, 0, faces.chosen[0], extent);
         *arriving = (float)arrived / (float)search.rays;
     }

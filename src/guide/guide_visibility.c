@@ -20,7 +20,6 @@ struct learning {
     struct guide_visibility_samples samples;
     struct guide_visibility *visibility;
     size_t cells;
-    int paths;  // by which they were made
 };
 
 static bool has_far_light(const struct satin_scene *scene) {
@@ -78,7 +77,7 @@ static satin_status learn(struct learning *l, struct parallel *pool) {
     struct guide_visibility *visibility = l->visibility;
     if (has_far_light(l->scene)) {
         const satin_status status =
-            guide_sky_learn(l->scene, l->seed, l->samples, l->paths, pool, visibility);
+            guide_sky_learn(l->scene, l->seed, l->samples, pool, visibility);
         if (status != SATIN_OK) return status;
     }
     const struct parallel_results choices = {
@@ -102,7 +101,7 @@ static satin_status find_cells_by(struct learning *l, int paths, struct parallel
     if (!guide_cells_make(l->scene, l->seed, paths, GUIDE_CELL_BOUNCES, pool, cells))
         return SATIN_ERROR_MEMORY;
     l->cells = cells->cell[0].count > 0 ? guide_cells_count(cells) : 0;
-    l->paths = paths;
+    l->visibility->paths = paths;
     *arriving = 1.0f;
     if (l->cells == 0 || !has_far_light(l->scene)) return SATIN_OK;
     const size_t rays = (size_t)paths * (size_t)l->samples.box_rays;
@@ -114,8 +113,8 @@ static satin_status find_cells_by(struct learning *l, int paths, struct parallel
 static satin_status find_cells_and_box(struct learning *l, struct parallel *pool) {
     float arriving;
     const satin_status status = find_cells_by(l, l->samples.paths, pool, &arriving);
-    if (status != SATIN_OK || arriving >= SMALL_OPENINGS ||
-        l->samples.paths_most <= l->samples.paths)
+    l->visibility->small = arriving < SMALL_OPENINGS;
+    if (status != SATIN_OK || !l->visibility->small || l->samples.paths_most <= l->samples.paths)
         return status;
     return find_cells_by(l, l->samples.paths_most, pool, &arriving);
 }

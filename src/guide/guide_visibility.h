@@ -27,6 +27,8 @@ void guide_openings_make(const struct satin_scene *scene, const struct light_box
 // What was measured in each cell.
 struct guide_visibility {
     struct guide_cells cells;
+    int paths;         // from the eye, by which the cells were made
+    bool small;        // whether openings are so small that hardly any ray from the cells leaves
     bool sky, choice;  // whether histograms, and whether fractions of the lights, were measured
     struct light_box box;
     struct light_openings openings;  // of this box
@@ -40,11 +42,10 @@ struct guide_visibility {
 // ---- The environment (guide_sky.c) --------------------------------------------------------------
 
 // Measures what the cells see of the environment through the bins of the box, both of which must be
-// known, and sets the histograms, the openings and the aim. The cells were made by so many paths.
-// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+// known, and sets the histograms, the openings and the aim. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status guide_sky_learn(const struct satin_scene *scene, uint64_t seed,
-                             struct guide_visibility_samples samples, int paths,
-                             struct parallel *pool, struct guide_visibility *visibility);
+                             struct guide_visibility_samples samples, struct parallel *pool,
+                             struct guide_visibility *visibility);
 // The most bytes that this takes.
 double guide_sky_most(const struct satin_scene *scene);
 

@@ -12,7 +12,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/sampling.h"
 #include "guide/guide_visibility.h"
+#include "light/light_kinds.h"
 #include "photon/photon_map.h"
 #include "test_scene.h"
 
@@ -182,6 +184,61 @@ static void threads_do_not_change_openings(void **state) {
     end_open_room(&room);
 }
 
+// A room whose wall of .1 has a hole of this width, on a ground, under a sky.
+static void room_with_hole(struct test_scene *t, float width) {
+    const float top = 0.2f + width, half = 0.5f * width, side = 0.5f * (1.1f - half);
+    test_scene_init(t);
+    test_slit_room(t, true);
+    const uint32_t grey = test_diffuse(t, 0.6f, 0.6f, 0.6f);
+    for (int k = -1; k <= 1; k += 2)
+        test_cube(
+            t, test_transform(v3(1.05f, (float)k * (half + side), 0.35f), v3(0.05f, side, 0.15f)),
+            false, grey);
+    test_cube(
+        t, test_transform(v3(1.05f, 0, 0.5f * (top + 0.5f)), v3(0.05f, half, 0.5f * (0.5f - top))),
+        false, grey);
+    test_rectangle(t, test_transform(v3(0, 0, -2), v3(20, 20, 1)), grey);
+    test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    test_scene_finish(t);
+    test_look_down(t);
+}
+
+// Many photons through openings start at the hole, with every seed; one ray through each bin from
+// so many points finds it by chance. Paths that have left the room by it do not make the box
+// larger.
+static void small_holes_are_found(void **state) {
+    enum { SEEDS = 8, DRAWN = 256 };
+    (void)state;
+    for (int wide = 0; wide < 2; wide++) {
+        const float width = wide ? 0.1f : 0.04f;
+        struct test_scene t;
+        room_with_hole(&t, width);
+        for (uint64_t seed = 0; seed < SEEDS; seed++) {
+            const struct guide_visibility_samples samples = {
+                .paths = 4096, .box_rays = 8, .bin_rays = 1, .open_bins = 1024, .light_rays = 32};
+            struct guide_visibility *visibility;
+            struct parallel *pool = parallel_new(2);
+            assert_int_equal(guide_visibility_build(&t.scene, seed, samples, pool, &visibility),
+                             SATIN_OK);
+            const struct light_aim *aim = guide_visibility_aim(visibility);
+            assert_non_null(aim);
+            int near = 0;
+            for (uint32_t i = 0; i < DRAWN; i++) {
+                const vec2 u = sample_sobol2(i, 0);
+                const vec3 p =
+                    light_openings_point(aim->openings, v3_unit(v3(-1, 0.1f, -0.1f)), u.x, u.y);
+                near += p.x > 0.9f && fabsf(p.y) < 0.1f && fabsf(p.z - 0.2f) < 0.15f;
+            }
+            printf("hole of %g: %d of %d, box up to %.3f\n", (double)width, near, DRAWN,
+                   (double)visibility->box.hi.x);
+            assert_true(near > DRAWN / 8 && visibility->box.hi.x < 1.2f);
+            guide_visibility_free(visibility);
+            parallel_free(pool);
+        }
+        test_scene_free(&t);
+    }
+}
+
 // Openings get photons only if they are smaller than the scene. Around a small box in it, boxes
 // grow up to half of the scene's area.
 static void openings_are_small(void **state) {
@@ -215,6 +272,7 @@ int main(void) {
         cmocka_unit_test(more_of_them_are_in_the_room),
         cmocka_unit_test(the_power_is_that_of_the_sky),
         cmocka_unit_test(threads_do_not_change_openings),
+        cmocka_unit_test(small_holes_are_found),
         cmocka_unit_test(openings_are_small),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
