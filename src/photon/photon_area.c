@@ -92,6 +92,7 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
     out->rotation = photon_area_rotation(p);
     out->whole_disc = true;
     struct raised_disc disc = raised_disc_make(scene, p, n, r);
+    out->height = disc.height;
     for (int i = 0; i < AREA_SECTORS; i++) {
         float phi = out->rotation + (float)i * SECTOR;
         vec3 w = frame_to_world(&out->frame, v3(cosf(phi), sinf(phi), 0.0f));
@@ -99,6 +100,18 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
         out->inverse[i] = 1.0f / fmaxf(e, EXTENT_MIN);
         if (e < 1.0f) out->whole_disc = false;
     }
+}
+
+bool photon_area_hides(const struct satin_scene *scene, const struct photon_area *area, vec3 p,
+                       vec3 q) {
+    const vec3 n = area->frame.n, d = v3_sub(q, p), along = v3_mad(d, -v3_dot(d, n), n);
+    const float length = v3_len(along);
+    if (!(length > 0.0f)) return false;
+    struct ray ray = scene_spawn(scene, p, n, n);
+    ray.o = v3_mad(ray.o, area->height, n);
+    ray.d = v3_mul(along, 1.0f / length);
+    ray.tfar = length;
+    return scene_occluded(scene, &ray);
 }
 
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r, float smallest) {

@@ -96,7 +96,7 @@ static void estimate_site(const struct estimating *loop, size_t site, int *row, 
     photon_index_nearest(what->map->index, at, 1, what->k, photon_map_far2(what->map), row,
                          distance2);
     photon_disc_make(&query, row, distance2, &disc);
-    photon_disc_drop_layers(query.scene, row, distance2, &disc);
+    photon_disc_drop_hidden(query.scene, row, distance2, &disc);
     const rgb E = photon_disc_irradiance(&disc);
     if (!(photon_rgb_square(E) > 0.0f)) return;
     sites->value[site] = E;

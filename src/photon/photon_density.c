@@ -245,7 +245,7 @@ void photon_disc_find(const struct photon_query *query, int *row, float *distanc
     photon_index_nearest(query->map->index, q, 1, query->k, photon_map_far2(query->map), row,
                          distance2);
     photon_disc_make(query, row, distance2, out);
-    photon_disc_drop_layers(query->scene, row, distance2, out);
+    photon_disc_drop_hidden(query->scene, row, distance2, out);
 }
 
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene,

@@ -80,7 +80,7 @@ static void make_disc(const struct photon_precompute *what, size_t entry, int k,
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, out);
     }
-    photon_disc_drop_layers(what->scene, row, distance2, out);
+    photon_disc_drop_hidden(what->scene, row, distance2, out);
 }
 
 // Memory for the photons of one disc.

@@ -28,7 +28,7 @@ static bool is_under_other(const struct satin_scene *scene, vec3 p, vec3 n, vec3
     return scene_occluded(scene, &ray);
 }
 
-void photon_disc_drop_layers(const struct satin_scene *scene, int *row, float *distance2,
+void photon_disc_drop_hidden(const struct satin_scene *scene, int *row, float *distance2,
                              struct photon_disc *disc) {
     int counted = 0;
     for (int i = 0; i < disc->count; i++) {
@@ -38,7 +38,8 @@ void photon_disc_drop_layers(const struct satin_scene *scene, int *row, float *d
         const vec3 q = photon_position(disc->map, (size_t)at),
                    m = photon_unpack(disc->map->photon[at].n);
         if (!photon_is_on_surface(disc->n, m, v3_dot(v3_sub(q, disc->p), disc->n), disc->r2) ||
-            is_under_other(scene, disc->p, disc->n, q, m))
+            is_under_other(scene, disc->p, disc->n, q, m) ||
+            (disc->corrected && photon_area_hides(scene, &disc->area, disc->p, q)))
             continue;
         row[i] = row[counted];
         distance2[i] = distance2[counted];

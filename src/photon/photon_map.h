@@ -200,6 +200,7 @@ enum { AREA_SECTORS = 16, AREA_POINTS = 3 };
 // orientation, found by rays from just above the point: its extent by direction.
 struct photon_area {
     struct frame frame;
+    float height;                 // of the rays over the point
     float rotation;               // of the first sector, in radians
     float inverse[AREA_SECTORS];  // 1 / extent in units of r; up to 1 the surface extends to the
                                   // boundary of the disc
@@ -210,6 +211,10 @@ struct photon_area {
 // the last one is at the boundary of the disc.
 void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, int points,
                       struct photon_area *out);
+// Whether a ray at the height of the area, from over its point p to over the photon at q, meets a
+// wall. Where walls meet, extents that are interpolated between two directions go beyond them.
+bool photon_area_hides(const struct satin_scene *scene, const struct photon_area *area, vec3 p,
+                       vec3 q);
 // The rotation of the first sector around p in radians, by the bits of p: no direction is
 // preferred.
 float photon_area_rotation(vec3 p);
@@ -297,9 +302,10 @@ void photon_disc_find(const struct photon_query *query, int *row, float *distanc
 void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
                       struct photon_disc *out);
 // Removes the photons that do not count from those of a disc, whose row and distance2 these are:
-// those that are not within its radius or on its surface, and those of a surface behind its own one
-// or before it. A ray finds whether it is another one, or curved or stepped.
-void photon_disc_drop_layers(const struct satin_scene *scene, int *row, float *distance2,
+// those that are not within its radius or on its surface, those of a surface behind its own one or
+// before it, for which a ray finds whether it is another one, or curved or stepped, and, if walls
+// cut the disc, those behind these.
+void photon_disc_drop_hidden(const struct satin_scene *scene, int *row, float *distance2,
                              struct photon_disc *disc);
 // Sets the scale of a disc whose other members are set, by the area of the surface in it, which is
 // measured in the scene; NULL: that of the whole disc.

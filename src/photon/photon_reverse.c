@@ -141,10 +141,10 @@ static void add_photons(void *ctx, size_t begin, size_t end, int worker) {
         disc.row = found.row;
         disc.distance2 = found.distance2;
         disc.count = found.count;
-        photon_disc_drop_layers(run->what->tracing->scene, found.row, found.distance2, &disc);
         disc.scale = run->disc[i].scale;
         disc.corrected = run->disc[i].area >= 0;
         if (disc.corrected) disc.area = run->area[run->disc[i].area];
+        photon_disc_drop_hidden(run->what->tracing->scene, found.row, found.distance2, &disc);
         add_batch_light(run, i, &disc);
     }
     free(found.row);

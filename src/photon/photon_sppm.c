@@ -240,7 +240,7 @@ static rgb map_radiance(const struct photon_sppm *sppm, int kind, struct initial
     if (disc.count == 0) return rgb_grey(0.0f);
     disc.r = sqrtf(disc.r2);
     photon_disc_scale(&disc, initial.whole ? NULL : sppm->scene);
-    photon_disc_drop_layers(sppm->scene, row, distance2, &disc);
+    photon_disc_drop_hidden(sppm->scene, row, distance2, &disc);
     return photon_disc_radiance(&disc, at);
 }
 

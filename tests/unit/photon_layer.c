@@ -102,6 +102,46 @@ static void photons_of_a_ball_count(void **state) {
     }
 }
 
+// In the corner of a floor and a wall, which a thin wall divides: no photon beyond it counts.
+static void photons_behind_a_wall_do_not_count(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_hit hit[3 * PART];
+    struct photon_map map;
+    test_scene_init(&t);
+    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    const struct mat4 across = mat4_rotate(v3(0, 1, 0), 90.0f),
+                      along = mat4_rotate(v3(1, 0, 0), 90.0f),
+                      front = test_transform(v3(0, 0, 1), v3(1, 1, 1));
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
+    test_rectangle(&t, mat4_mul(&front, &across), grey);
+    test_rectangle(&t, mat4_mul(&front, &along), grey);
+    test_scene_finish(&t);
+    for (uint32_t i = 0; i < 3 * PART; i++) {
+        const vec2 u = sample_sobol2(i, 0);
+        hit[i] = hit_at(v3(0.4f * u.x - 0.2f, -0.2f * u.y, 0), v3(0, 0, 1));
+    }
+    build_map(&t, hit, 3 * PART, &map);
+    int near = 0, behind = 0;
+    for (uint32_t i = 0; i < PART; i++) {
+        const vec2 u = sample_sobol2(i, 1);
+        int row[PHOTON_K_MAX];
+        float distance2[PHOTON_K_MAX];
+        struct photon_disc disc;
+        const struct photon_query query = {&map,         &t.scene, v3(0.1f * u.x, -0.1f * u.y, 0),
+                                           v3(0, 0, 1),  PART,     KERNEL_FLAT,
+                                           AREA_MEASURED};
+        photon_disc_find(&query, row, distance2, &disc);
+        for (int k = 0; k < disc.count; k++)
+            if (photon_disc_weight(&disc, k) > 0.0f)
+                *(photon_position(&map, (size_t)disc.row[k]).x > 0.0f ? &near : &behind) += 1;
+    }
+    print_message("%d before the wall, %d behind it\n", near, behind);
+    assert_true(near > 10 * PART && behind == 0);
+    photon_map_free(&map);
+    test_scene_free(&t);
+}
+
 // A floor a little over a ground, with a lamp between them, whose entries are farther from each
 // other than ten times that.
 static void floor_over_light_is_dark(void **state) {
@@ -143,6 +183,7 @@ static void floor_over_light_is_dark(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(layers_are_not_steps),
                                        cmocka_unit_test(photons_of_a_ball_count),
+                                       cmocka_unit_test(photons_behind_a_wall_do_not_count),
                                        cmocka_unit_test(floor_over_light_is_dark)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
