@@ -30,8 +30,8 @@ enum {
 // The offsets of a face: fractions of the points that are beyond it.
 static const float BOX_BEYOND[BOX_OFFSETS] = {0.0f, 0.005f, 0.02f, 0.05f, 0.1f, 0.2f};
 // The largest moment of a box that is used, as a fraction of that of the box around all points. It
-// is .51 to .52 in rooms with a window on the ground, whose images then have a quarter to a half of
-// the variance, and .86 to 1.0 in others and in the open, where a smaller box gains nothing, or
+// is .26 to .52 in rooms with a window on the ground, whose images then have a tenth to a half of
+// the variance, and .88 to 1.0 in others and in the open, where a smaller box gains nothing, or
 // leaves 2.9 times the variance of direct light (ring).
 #define BOX_SMALLER 0.8f
 // The least extent, as a fraction of the largest.
@@ -49,6 +49,8 @@ struct box_search {
     uint64_t seed;
     size_t points, batch, rays;  // numbers of points, of rays of a batch and of those traced so far
     struct traced_ray *ray;
+    float *sorted;                       // coordinates of points
+    float extent;                        // the largest of the box around all points
     uint32_t arriving[GUIDE_CELLS_MAX];  // number of rays of each cell that arrive
     struct light_box box[BOX_OFFSETS];
     double moment[BOX_OFFSETS];
@@ -167,37 +169,46 @@ static vec3 corner(const struct box_faces *faces, int upper, int moved, int offs
 }
 
 // The box with one of its faces moved to another offset.
-static struct light_box moved_box(const struct box_faces *faces, int face, int offset,
-                                  float extent) {
+static struct light_box moved_box(const struct box_search *search, const struct box_faces *faces,
+                                  int face, int offset) {
     const vec3 lo = corner(faces, 0, face, offset), hi = corner(faces, 1, face, offset);
-    const float least = EXTENT_LEAST * extent;
+    const float least = EXTENT_LEAST * search->extent;
     return light_box_make(lo, v3_max(hi, v3_add(lo, v3(least, least, least))));
 }
 
-// Finds the offsets of all faces, around the points of the cells. Returns the largest extent.
-static float begin_faces(const struct guide_cells *cells, size_t points, float *sorted,
-                         float scene_radius, struct box_faces *faces) {
-    vec3 lo = cells->point[0].p, hi = lo;
-    for (size_t i = 0; i < points; i++) {
-        lo = v3_min(lo, cells->point[i].p);
-        hi = v3_max(hi, cells->point[i].p);
-    }
-    const float widest = v3_max_abs(v3_sub(hi, lo)), extent = widest > 0.0f ? widest : scene_radius;
-    *faces = (struct box_faces){0};
+// Finds the offsets of all faces, around the points of the cells in a box, and chooses the first.
+// They stay as they are if there are none.
+static void find_faces(const struct box_search *search, vec3 lo, vec3 hi, struct box_faces *faces) {
+    const struct guide_cell_point *point = search->cells->point;
     for (int axis = 0; axis < 3; axis++) {
-        for (size_t i = 0; i < points; i++) sorted[i] = v3_along(cells->point[i].p, axis);
-        qsort(sorted, points, sizeof *sorted, array_compare_floats);
-        find_offsets(sorted, points, false, 2 * axis, faces);
-        find_offsets(sorted, points, true, 2 * axis + 1, faces);
+        size_t count = 0;
+        for (size_t i = 0; i < search->points; i++)
+            if (v3_within(point[i].p, lo, hi)) search->sorted[count++] = v3_along(point[i].p, axis);
+        if (count == 0) return;
+        if (axis == 0) *faces = (struct box_faces){0};
+        qsort(search->sorted, count, sizeof *search->sorted, array_compare_floats);
+        find_offsets(search->sorted, count, false, 2 * axis, faces);
+        find_offsets(search->sorted, count, true, 2 * axis + 1, faces);
     }
-    return extent;
+}
+
+// Finds those around all points, and their largest extent.
+static void begin_faces(struct box_search *search, struct box_faces *faces) {
+    vec3 lo = search->cells->point[0].p, hi = lo;
+    for (size_t i = 0; i < search->points; i++) {
+        lo = v3_min(lo, search->cells->point[i].p);
+        hi = v3_max(hi, search->cells->point[i].p);
+    }
+    const float widest = v3_max_abs(v3_sub(hi, lo));
+    search->extent = widest > 0.0f ? widest : search->scene->radius;
+    find_faces(search, lo, hi, faces);
 }
 
 // Moves a face to where the moment is least, which is set. False if the pool was stopped.
-static bool move_face(struct box_search *search, struct box_faces *faces, int face, float extent,
+static bool move_face(struct box_search *search, struct box_faces *faces, int face,
                       struct parallel *pool, double *least) {
     const size_t count = (size_t)faces->count[face];
-    for (int i = 0; i < faces->count[face]; i++) search->box[i] = moved_box(faces, face, i, extent);
+    for (int i = 0; i < faces->count[face]; i++) search->box[i] = moved_box(search, faces, face, i);
     if (!parallel_for(pool, count, 1, measure_boxes, search)) return false;
     int *chosen = &faces->chosen[face];
     for (int i = 0; i < faces->count[face]; i++)
@@ -207,15 +218,19 @@ static bool move_face(struct box_search *search, struct box_faces *faces, int fa
 }
 
 // Moves all faces, if that is worth it. False if the pool was stopped.
-static bool move_faces(struct box_search *search, struct box_faces *faces, float extent,
-                       struct parallel *pool) {
+static bool move_faces(struct box_search *search, struct box_faces *faces, struct parallel *pool) {
     const struct box_faces around = *faces;
     double least = 0.0;
-    search->box[0] = moved_box(faces, 0, 0, extent);
+    search->box[0] = moved_box(search, faces, 0, 0);
     if (!parallel_for(pool, 1, 1, measure_boxes, search)) return false;
     const double first = search->moment[0];
-    for (int k = 0; k < 6 * SWEEPS; k++)
-        if (!move_face(search, faces, k % 6, extent, pool, &least)) return false;
+    for (int k = 0; k < SWEEPS; k++) {
+        for (int face = 0; face < 6; face++)
+            if (!move_face(search, faces, face, pool, &least)) return false;
+        // Beyond one face, a hill outside may extend farther than the room in all other directions.
+        find_faces(search, corner(faces, 0, 0, faces->chosen[0]),
+                   corner(faces, 1, 0, faces->chosen[0]), faces);
+    }
     if (!(least < BOX_SMALLER * first)) *faces = around;
     return true;
 }
@@ -239,21 +254,21 @@ bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct
                     size_t rays, struct parallel *pool, struct light_box *out, float *arriving) {
     struct box_search search = {.scene = scene, .cells = cells, .seed = seed, .batch = rays};
     for (size_t i = 0; i < guide_cells_count(cells); i++) search.points += cells->cell[i].count;
-    float *sorted = array_new(search.points, sizeof *sorted);
+    search.sorted = array_new(search.points, sizeof *search.sorted);
     search.ray = array_new_unset(BOX_BATCHES * rays, sizeof *search.ray);
     size_t arrived = 0;
-    bool done = sorted && search.ray && trace_batches(&search, pool, &arrived);
+    bool done = search.sorted && search.ray && trace_batches(&search, pool, &arrived);
     if (done) {
         struct box_faces faces;
-        const float extent = begin_faces(cells, search.points, sorted, scene->radius, &faces);
+        begin_faces(&search, &faces);
         if (arrived >= ARRIVING_LEAST)
-            done = move_faces(&search, &faces, extent, pool);
+            done = move_faces(&search, &faces, pool);
         else
             leave_few(&faces);
-        *out = moved_box(&faces, 0, faces.chosen[0], extent);
+        *out = moved_box(&search, &faces, 0, faces.chosen[0]);
         *arriving = (float)arrived / (float)search.rays;
     }
     free(search.ray);
-    free(sorted);
+    free(search.sorted);
     return done;
 }

@@ -239,6 +239,32 @@ static void small_holes_are_found(void **state) {
     }
 }
 
+// The box is around the room although its window shows a wall that is larger in all directions.
+static void a_wall_outside_is_left_out(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_slit_room(&t, true);
+    test_cube(&t, test_transform(v3(6, 0, 0), v3(1, 60, 40)), false,
+              test_diffuse(&t, 0.6f, 0.6f, 0.6f));
+    test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    test_scene_finish(&t);
+    test_look_down(&t);
+    t.scene.camera.to_world = mat4_rotate(v3(0, 1, 0), 90.0f);  // to the window
+    const struct guide_visibility_samples samples = {
+        .paths = 4096, .box_rays = 8, .bin_rays = 1, .open_bins = 1024, .light_rays = 32};
+    struct guide_visibility *visibility;
+    struct parallel *pool = parallel_new(2);
+    assert_int_equal(guide_visibility_build(&t.scene, 0, samples, pool, &visibility), SATIN_OK);
+    const struct light_box *box = &visibility->box;
+    printf("box from %g %g %g to %g %g %g\n", (double)box->lo.x, (double)box->lo.y,
+           (double)box->lo.z, (double)box->hi.x, (double)box->hi.y, (double)box->hi.z);
+    assert_true(v3_max_abs(box->lo) < 1.2f && v3_max_abs(box->hi) < 1.2f);
+    guide_visibility_free(visibility);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 // Openings get photons only if they are smaller than the scene. Around a small box in it, boxes
 // grow up to half of the scene's area.
 static void openings_are_small(void **state) {
@@ -273,6 +299,7 @@ int main(void) {
         cmocka_unit_test(the_power_is_that_of_the_sky),
         cmocka_unit_test(threads_do_not_change_openings),
         cmocka_unit_test(small_holes_are_found),
+        cmocka_unit_test(a_wall_outside_is_left_out),
         cmocka_unit_test(openings_are_small),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
