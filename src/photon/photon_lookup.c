@@ -17,11 +17,6 @@ static bool has_orientation(const struct photon_irradiance *r, int row, vec3 n) 
     return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
 }
 
-static vec3 entry_normal(const struct photon_positions *positions, size_t i) {
-    const float *row = positions->row + 6 * i, s = 1.0f / positions->scale;
-    return v3(s * row[3], s * row[4], s * row[5]);
-}
-
 // Makes the ray from p to position i, a little above the surface, or where there is a step between
 // them halfway up to the higher one. False if they are equal.
 static bool ray_to_position(const struct photon_positions *positions, size_t i,
@@ -29,7 +24,7 @@ static bool ray_to_position(const struct photon_positions *positions, size_t i,
     const vec3 position = photon_entry_position(positions, i), d = v3_sub(position, p);
     const float distance = v3_len(d);
     if (!(distance > 0.0f)) return false;
-    const float step = fabsf(photon_layer_step(p, n, position, entry_normal(positions, i)));
+    const float step = fabsf(photon_layer_step(p, n, position, photon_entry_normal(positions, i)));
     const float lift = fminf(SCENE_LIFT * distance, step > 0.0f ? 0.5f * step : INFINITY);
     *out = scene_spawn(scene, p, n, n);
     out->o = v3_mad(out->o, lift, n);
@@ -49,7 +44,8 @@ bool photon_irradiance_visible(const struct photon_irradiance *r, const struct s
 // not on another surface above or beneath it, such as a floor over the ground outside.
 static bool is_on_clear_surface(const struct photon_positions *positions, size_t i, vec3 p,
                                 vec3 n) {
-    const vec3 position = photon_entry_position(positions, i), m = entry_normal(positions, i);
+    const vec3 position = photon_entry_position(positions, i),
+               m = photon_entry_normal(positions, i);
     const float clear = positions->clear[i], d2 = v3_dist2(position, p),
                 height = v3_dot(v3_sub(p, position), m);
     return d2 <= clear * clear && height * height <= sqrf(SCENE_LIFT) * d2 &&
@@ -222,9 +218,8 @@ size_t photon_irradiance_count(const struct photon_maps *maps) { return maps->ir
 
 void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n) {
     const struct photon_positions *at = &maps->irradiance.position;
-    const float *row = at->row + 6 * entry, s = 1.0f / at->scale;
     *p = photon_entry_position(at, entry);
-    *n = v3_unit(v3(s * row[3], s * row[4], s * row[5]));
+    *n = v3_unit(photon_entry_normal(at, entry));
 }
 
 rgb photon_irradiance_of_entry(const struct photon_maps *maps, size_t entry) {

@@ -364,6 +364,10 @@ static inline vec3 photon_entry_position(const struct photon_positions *position
     const float *q = positions->row + 6 * i;
     return v3(q[0], q[1], q[2]);
 }
+static inline vec3 photon_entry_normal(const struct photon_positions *positions, size_t i) {
+    const float *row = positions->row + 6 * i, s = 1.0f / positions->scale;
+    return v3(s * row[3], s * row[4], s * row[5]);
+}
 // Sets a row of the search index, or a query.
 static inline void photon_entry_row_set(float row[6], vec3 p, vec3 n, float scale) {
     row[0] = p.x;

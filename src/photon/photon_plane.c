@@ -30,11 +30,6 @@ static float difference(rgb a, rgb b) {
            fmaxf(sqrtf(photon_rgb_square(a) * photon_rgb_square(b)), FLT_MIN);
 }
 
-static vec3 normal_at(const struct photon_sites *sites, size_t i) {
-    const float *row = sites->position.row + 6 * i, s = 1.0f / sites->position.scale;
-    return v3(s * row[3], s * row[4], s * row[5]);
-}
-
 // ---- Planes -------------------------------------------------------------------------------------
 
 struct neighbour {
@@ -52,12 +47,13 @@ static int find_neighbours(const struct photon_fitting *loop, size_t site, struc
                          INFINITY, row, distance2);
     for (int i = 0; i < PLANE_NEIGHBOURS; i++)
         if (row[i] >= 0) far2 = fmaxf(far2, distance2[i]);
-    const vec3 p = photon_entry_position(&sites->position, site), n = normal_at(sites, site);
+    const vec3 p = photon_entry_position(&sites->position, site),
+               n = photon_entry_normal(&sites->position, site);
     const struct frame frame = frame_from_normal(n);
     for (int i = 0; i < PLANE_NEIGHBOURS; i++) {
         if (row[i] < 0 || !(distance2[i] < far2)) continue;
         const size_t at = (size_t)row[i];
-        if (v3_dot(normal_at(sites, at), n) < PLANE_FACING) continue;
+        if (v3_dot(photon_entry_normal(&sites->position, at), n) < PLANE_FACING) continue;
         if (at != site && photon_entry_position_hidden(&sites->position, loop->scene, at, p, n))
             continue;
         const vec3 d = v3_sub(photon_entry_position(&sites->position, at), p);
@@ -160,8 +156,8 @@ static rgb read_value(const struct photon_reading *loop, size_t i) {
     for (int k = 0; k < MIXED; k++) {
         if (row[k] < 0 || !(distance2[k] < far2)) continue;
         const size_t at = (size_t)row[k];
-        const vec3 q = photon_entry_position(&sites->position, at), n = normal_at(sites, at),
-                   d = v3_sub(p, q);
+        const vec3 q = photon_entry_position(&sites->position, at),
+                   n = photon_entry_normal(&sites->position, at), d = v3_sub(p, q);
         if (photon_entry_position_hidden(loop->position, loop->scene, i, q, n)) continue;
         const struct frame frame = frame_from_normal(n);
         const float near = 1.0f - distance2[k] / far2, weight = near * near;

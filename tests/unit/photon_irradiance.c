@@ -145,6 +145,34 @@ static void floor_does_not_read_the_ground(void **state) {
     free_mapped(&s);
 }
 
+// A floor a little over a ground, with a lamp between them, whose entries are farther from each
+// other than ten times that.
+static void floor_over_light_is_dark(void **state) {
+    (void)state;
+    enum { POINTS = 256 };
+    struct mapped_scene s;
+    test_scene_init(&s.t);
+    const uint32_t grey = test_diffuse(&s.t, 0.5f, 0.5f, 0.5f);
+    const struct mat4 down = mat4_rotate(v3(1, 0, 0), 180.0f),
+                      lamp = test_transform(v3(0, 0, 0.019f), v3(0.7f, 0.7f, 1));
+    test_rectangle(&s.t, test_transform(v3(0, 0, 0), v3(2, 2, 1)), grey);
+    test_rectangle(&s.t, test_transform(v3(0, 0, 0.02f), v3(1, 1, 1)), grey);
+    test_area_light(&s.t, test_rectangle(&s.t, mat4_mul(&lamp, &down), grey), rgb_grey(1.0f));
+    test_scene_finish(&s.t);
+    map_scene(&s, 2000, false);
+    double over = 0.0, under = 0.0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        const vec2 u = sample_sobol2(i, 0);
+        const float x = 1.4f * u.x - 0.7f, y = 1.4f * u.y - 0.7f;
+        float radius;
+        over += (double)read_irradiance(&s, v3(x, y, 0.02f), v3(0, 0, 1), &radius).g;
+        under += (double)read_irradiance(&s, v3(x, y, 0), v3(0, 0, 1), &radius).g;
+    }
+    print_message("%g over it, %g under it\n", over / POINTS, under / POINTS);
+    assert_true(under > 1.0 * POINTS && over < 1e-3 * under);
+    free_mapped(&s);
+}
+
 // A thin wall between two lamps, of which one is 20 times as bright: of the photons near the dark
 // side nearly all are on the other one. The dark side still has its light, everywhere.
 static void dark_side_of_a_thin_wall(void **state) {
@@ -182,9 +210,9 @@ static void dark_side_of_a_thin_wall(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(radius_does_not_follow_noise),
-                                       cmocka_unit_test(few_paths_are_not_read),
-                                       cmocka_unit_test(floor_does_not_read_the_ground),
-                                       cmocka_unit_test(dark_side_of_a_thin_wall)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(radius_does_not_follow_noise), cmocka_unit_test(few_paths_are_not_read),
+        cmocka_unit_test(floor_does_not_read_the_ground),
+        cmocka_unit_test(floor_over_light_is_dark), cmocka_unit_test(dark_side_of_a_thin_wall)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
