@@ -174,12 +174,29 @@ float photon_area_inverse(const struct photon_area *area) {
     return inverse;
 }
 
+// The extent at the middle of step i of AREA_SECTORS * AREA_STEPS, at most 1.
+static float extent_at_step(const struct photon_area *area, int i) {
+    return fminf(1.0f / inverse_extent(area, ((float)i + 0.5f) / AREA_STEPS), 1.0f);
+}
+
+vec2 photon_area_centroid(const struct photon_area *area) {
+    float x = 0.0f, y = 0.0f, sum = 0.0f;
+    for (int i = 0; i < AREA_SECTORS * AREA_STEPS; i++) {
+        const float e = extent_at_step(area, i);
+        const float phi = area->rotation + ((float)i + 0.5f) / AREA_STEPS * SECTOR;
+        // Twice the integrals of t^2 and t from 0 to e.
+        x += cosf(phi) * (2.0f / 3.0f) * e * e * e;
+        y += sinf(phi) * (2.0f / 3.0f) * e * e * e;
+        sum += e * e;
+    }
+    return (vec2){x / sum, y / sum};
+}
+
 float photon_area_fraction(const struct photon_area *area, enum photon_kernel kernel) {
     if (area->whole_disc) return 1.0f;
     float sum = 0.0f;
     for (int i = 0; i < AREA_SECTORS * AREA_STEPS; i++) {
-        float e = fminf(1.0f / inverse_extent(area, ((float)i + 0.5f) / AREA_STEPS), 1.0f),
-              q = e * e;
+        const float e = extent_at_step(area, i), q = e * e;
         // The integral of weight(t^2) 2 t from 0 to e.
         sum += kernel == KERNEL_FLAT ? q : q * (2.0f - q);
     }

@@ -10,11 +10,6 @@
 
 #include <math.h>
 
-// Least number of light paths of an estimate, over that of its photons. In living-room, with 1/8
-// the light in a crack was as without this test, with 1/4 it was in one seed of three, and with a
-// third it is that of path tracing in all of them (docs/experiments/rooms.md).
-static const float FRACTION_OF_PATHS = 0.5f;
-
 // Whether photon i, of normal n, is on the surface of the disc.
 static bool is_on_surface(const struct photon_disc *disc, int i, vec3 n) {
     const size_t at = (size_t)disc->row[i];
@@ -98,21 +93,6 @@ float photon_ring_radius(int *row, float *distance2, int k) {
     const float inner2 = largest_distance(distance2, k),
                 outer2 = largest_distance(distance2 + k, k);
     return sqrtf(isfinite(outer2) ? outer2 - inner2 : inner2);
-}
-
-bool photon_few_paths(const struct photon_disc *disc) {
-    enum { HASHES = 64 };
-    uint64_t found = 0;
-    int count = 0;
-    for (int i = 0; i < disc->count; i++) {
-        if (!is_counted(disc, i) || !is_on_surface(disc, i, photon_normal(disc, i))) continue;
-        found |= 1ull << disc->map->photon[disc->row[i]].path;
-        count++;
-    }
-    // Paths that have the same hash are counted by how full the hashes are [Whang et al. 1990].
-    const float empty = 1.0f - (float)__builtin_popcountll(found) / HASHES;
-    const float paths = empty > 0.0f ? -HASHES * logf(empty) : INFINITY;
-    return paths < FRACTION_OF_PATHS * fminf((float)count, HASHES);
 }
 
 float photon_disc_counted(const struct photon_disc *disc, float most) {
@@ -266,6 +246,6 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
     float distance2[PHOTON_K_MAX];
     struct photon_disc disc;
     photon_disc_find(&query, row, distance2, &disc);
-    *radius = photon_few_paths(&disc) ? INFINITY : disc.r;
+    *radius = photon_disc_reliable(&disc) ? disc.r : INFINITY;
     return photon_disc_radiance(&disc, &at);
 }

@@ -23,6 +23,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "photon/photon_entry.h"
 #include "photon/photon_own_area.h"
 
 enum {
@@ -32,15 +33,6 @@ enum {
 // The nearest of randomly distributed entries is farther than the root of FADE / (pi density) at
 // one in e^FADE positions. Where it is farther, no light arrived, and the entry's irradiance fades.
 #define FADE 6.0f
-// The least fraction of the photons of an estimate that are on its surface. Thin walls have many
-// more of them on a bright other side, and the entries of the dark side are farther from each other
-// than the radius of such estimates: they fade, and walls of a room on a sunlit ground had .7 of
-// the light of the first bounce. With 0, .08, .12, .18 and .25 the first pass has .978, .987,
-// 1.002, 1.012 and 1.012 of that room's light. Entries with few photons are those whose estimates
-// are low, so with .5 dark rooms behind a partition are .8 % too bright
-// (docs/experiments/first-passes.md).
-#define COUNTED_LEAST 0.125f
-
 struct precompute_loop {
     const struct photon_precompute *what;
     struct photon_irradiance *out;
@@ -48,81 +40,19 @@ struct precompute_loop {
     atomic_bool failed;
 };
 
-static struct photon_query query_of(const struct photon_precompute *what, size_t entry) {
-    size_t i = entry * what->stride;
-    return (struct photon_query){what->map,
-                                 what->scene,
-                                 photon_position(what->map, i),
-                                 photon_unpack(what->map->photon[i].n),
-                                 what->k,
-                                 what->kernel,
-                                 AREA_WHOLE};
-}
-
-// The clearing around an entry.
-static struct photon_clearing find_clearing(const struct photon_precompute *what, size_t entry,
-                                            const int *row, const float *distance2) {
-    struct photon_query query = query_of(what, entry);
-    struct photon_disc disc;
-    photon_disc_make(&query, row, distance2, &disc);
-    return photon_clearing_find(what->scene, query.p, query.n, what->area ? disc.r : 0.0f);
-}
-
-// The disc of an entry by the k nearest photons, whose area is measured unless it is in the
-// clearing.
-static void make_disc(const struct photon_precompute *what, size_t entry, int k,
-                      const struct photon_clearing *clearing, int *row, float *distance2,
-                      struct photon_disc *out) {
-    struct photon_query query = query_of(what, entry);
-    query.k = k;
-    photon_disc_make(&query, row, distance2, out);
-    if (what->area && !photon_clearing_has(clearing, query.p, query.n, out->r)) {
-        query.correction = AREA_MEASURED;
-        photon_disc_make(&query, row, distance2, out);
-    }
-    photon_disc_drop_hidden(what->scene, row, distance2, out);
-}
-
-// Memory for the photons of one disc.
-struct wide_disc {
-    int row[PHOTON_K_MAX];
-    float distance2[PHOTON_K_MAX];
-};
-
-// If few of the photons of a disc are on its surface, makes it of more of them, and sets *ring to
-// the radius of as many around it.
-static void widen_disc(const struct photon_precompute *what, size_t entry, struct wide_disc *wide,
-                       struct photon_disc *disc, float *ring) {
-    const struct photon_map *map = what->map;
-    const float *p = map->position + 3 * entry * what->stride;
-    const float least = COUNTED_LEAST * (float)what->k;
-    for (int k = what->k; disc->r > 0.0f && 2 * k < PHOTON_K_MAX;) {
-        const float counted = photon_disc_counted(disc, least);
-        if (counted >= least) return;
-        const float wider = (float)what->k / fmaxf(counted, 1.0f);
-        k = (int)fminf((float)k * wider, 0.5f * PHOTON_K_MAX);
-        photon_index_nearest(map->index, p, 1, 2 * k, photon_map_far2(map), wide->row,
-                             wide->distance2);
-        *ring = photon_ring_radius(wide->row, wide->distance2, k);
-        make_disc(what, entry, k, &(struct photon_clearing){.radius = 0.0f}, wide->row,
-                  wide->distance2, disc);
-    }
-}
-
 static void precompute_one(struct precompute_loop *loop, size_t entry,
                            const struct photon_clearing *clearing, int *row, float *distance2) {
     const struct photon_precompute *what = loop->what;
-    struct wide_disc wide;
-    struct photon_disc disc;
-    float ring = loop->out->ring ? loop->out->ring[entry] : INFINITY;
-    make_disc(what, entry, what->k, clearing, row, distance2, &disc);
-    widen_disc(what, entry, &wide, &disc, &ring);
-    loop->out->E[entry] = photon_disc_irradiance(&disc);
-    if (loop->out->last) loop->out->last[entry] = photon_disc_last(&disc);
-    loop->out->radius[entry] = disc.r;
-    if (loop->out->ring) loop->out->ring[entry] = photon_few_paths(&disc) ? INFINITY : ring;
-    what->map->whole_disc[entry] = !disc.corrected;
-    loop->out->position.clear[entry] = photon_disc_clear(&disc);
+    struct photon_entry_rows rows[2];
+    struct photon_entry at = {.ring = loop->out->ring ? loop->out->ring[entry] : INFINITY};
+    photon_entry_estimate(what, entry, clearing, row, distance2, rows, &at);
+    loop->out->E[entry] = photon_disc_irradiance(&at.disc);
+    if (loop->out->last) loop->out->last[entry] = photon_disc_last(&at.disc);
+    loop->out->radius[entry] = at.disc.r;
+    if (loop->out->ring)
+        loop->out->ring[entry] = photon_disc_reliable(&at.disc) ? at.ring : INFINITY;
+    what->map->whole_disc[entry] = !at.disc.corrected;
+    loop->out->position.clear[entry] = photon_disc_clear(&at.disc);
 }
 
 // Refuses estimates that are not finite.
@@ -169,7 +99,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
         for (size_t i = 0; loop->out->ring && i < n; i++)
             loop->out->ring[at + i] = photon_ring_radius(row + i * k, distance2 + i * k, what->k);
         struct photon_clearing clearing =
-            find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
+            photon_entry_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
             precompute_one(loop, at + i, &clearing, row + i * k, distance2 + i * k);
         for (size_t i = 0; i < n; i++) refuse_invalid(loop, at + i);
@@ -213,8 +143,10 @@ static void set_rows(void *ctx, size_t begin, size_t end, int worker) {
     struct precompute_loop *loop = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct photon_query at = query_of(loop->what, i);
-        photon_entry_position_set(&loop->out->position, i, at.p, at.n);
+        const struct photon_map *map = loop->what->map;
+        const size_t at = i * loop->what->stride;
+        photon_entry_position_set(&loop->out->position, i, photon_position(map, at),
+                                  photon_unpack(map->photon[at].n));
     }
 }
 

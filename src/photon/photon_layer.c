@@ -18,18 +18,20 @@ float photon_layer_step(vec3 p, vec3 n, vec3 q, vec3 m) {
     return step * step > sqrf(STEP_LEAST) * v3_dot(d, d) ? copysignf(step, over_p) : 0.0f;
 }
 
-// Whether a surface is between the planes of p and q, above the lower one of them.
-static bool is_under_other(const struct satin_scene *scene, vec3 p, vec3 n, vec3 q, vec3 m) {
+// Whether a surface is above the lower one of p and q, up to a height over the plane of the other.
+static bool is_under_other(const struct satin_scene *scene, vec3 p, vec3 n, vec3 q, vec3 m,
+                           float height) {
     const float step = photon_layer_step(p, n, q, m);
     if (step == 0.0f) return false;
-    if (step < 0.0f) return is_under_other(scene, q, m, p, n);
+    if (step < 0.0f) return is_under_other(scene, q, m, p, n, height);
     struct ray ray = scene_spawn(scene, p, n, n);
-    ray.tfar = 1.01f * v3_dot(v3_sub(q, p), m) / v3_dot(n, m);
+    ray.tfar = 1.01f * v3_dot(v3_sub(q, p), m) / v3_dot(n, m) + height;
     return scene_occluded(scene, &ray);
 }
 
 void photon_disc_drop_hidden(const struct satin_scene *scene, int *row, float *distance2,
                              struct photon_disc *disc) {
+    const float height = disc->corrected ? disc->area.height : 0.0f;
     int counted = 0;
     for (int i = 0; i < disc->count; i++) {
         const int at = row[i];
@@ -38,7 +40,7 @@ void photon_disc_drop_hidden(const struct satin_scene *scene, int *row, float *d
         const vec3 q = photon_position(disc->map, (size_t)at),
                    m = photon_unpack(disc->map->photon[at].n);
         if (!photon_is_on_surface(disc->n, m, v3_dot(v3_sub(q, disc->p), disc->n), disc->r2) ||
-            is_under_other(scene, disc->p, disc->n, q, m) ||
+            is_under_other(scene, disc->p, disc->n, q, m, height) ||
             (disc->corrected && photon_area_hides(scene, &disc->area, disc->p, q)))
             continue;
         row[i] = row[counted];

@@ -222,6 +222,8 @@ float photon_area_rotation(vec3 p);
 float photon_area_sector(float x, float y, float rotation);
 // The largest 1 / extent, at least 1.
 float photon_area_inverse(const struct photon_area *area);
+// The centroid of the area in the frame of it, in units of r.
+vec2 photon_area_centroid(const struct photon_area *area);
 // Whether the surface covers the whole disc; fast if it does not. So it does in smaller discs, down
 // to this fraction of the radius: no edge is so low that only the larger ones extend beyond it.
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r, float smallest);
@@ -336,9 +338,13 @@ static inline struct photon_reflection photon_reflection_make(const struct frame
 rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_reflection *at);
 // That part of the irradiance whose photons have bounced as often as they may.
 rgb photon_disc_last(const struct photon_disc *disc);
-// Whether the photons are those of few light paths. In a crack between bright walls a photon that
-// has found its way in is stored dozens of times, and looks like dense light.
-bool photon_few_paths(const struct photon_disc *disc);
+// Whether gather rays may read the estimate (photon_reliable.c) of a disc without hidden photons.
+// They may not if its photons are those of few light paths: in a crack between bright walls a
+// photon that has found its way in is stored dozens of times, and looks like dense light. Nor may
+// they if its photons lie on one side.
+bool photon_disc_reliable(const struct photon_disc *disc);
+// Whether the photons lie on one side of the surface in the disc, as beside a bright strip.
+bool photon_disc_is_aside(const struct photon_disc *disc);
 // The number of photons that would be counted if all of a disc of radius r > 0 were surface, up to
 // about `most`. Others of its photons are on the other side of the surface, or on other ones.
 float photon_disc_counted(const struct photon_disc *disc, float most);
@@ -406,10 +412,11 @@ struct photon_precompute {
     size_t stride;  // irradiance is computed at every stride-th photon
     int k;          // number of photons of an estimate
     enum photon_kernel kernel;
-    bool area;    // whether estimates divide by the area of the surface in the disc
-    bool smooth;  // whether photon_caustic_smooth is applied
-    bool ends;    // whether light has borders, as caustics have: there is none where there are no
-                  // photons, and each photon has a radius of its own
+    bool area;     // whether estimates divide by the area of the surface in the disc
+    bool smooth;   // whether photon_caustic_smooth is applied
+    bool ends;     // whether light has borders, as caustics have: there is none where there are no
+                   // photons, and each photon has a radius of its own
+    bool narrows;  // whether an estimate whose photons lie on one side is made of fewer of them
 };
 
 // Computes irradiance at every stride-th photon of the map, and sets the map's `whole_disc` flags.

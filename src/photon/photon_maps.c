@@ -138,7 +138,8 @@ static satin_status build_irradiance(const struct photon_pass *pass, struct phot
     return precompute_map(
         pass,
         &(struct photon_precompute){&maps->global, pass->scene, stride, maps->photon_k, KERNEL_FLAT,
-                                    maps->area, false, false},
+                                    maps->area, false, false,
+                                    maps->area && !photon_streams(pass->options)},
         &maps->irradiance);
 }
 
@@ -227,7 +228,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     return precompute_map(pass,
                           &(struct photon_precompute){
                               &maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
-                              KERNEL_PARABOLA, maps->area, o->caustic_smooth, true},
+                              KERNEL_PARABOLA, maps->area, o->caustic_smooth, true, false},
                           &maps->caustic_irradiance);
 }
 

@@ -158,7 +158,7 @@ static void beams_between_entries_are_found(void **state) {
 static void beams_beside_balls_are_found(void **state) {
     (void)state;
     const struct beams found = read_beams(true, 1500);
-    assert_true(found.points > 200);
+    assert_true(found.points > 128);
     assert_int_equal(found.read, 0);
     assert_int_equal(found.without, 0);
 }

@@ -49,8 +49,8 @@ static void precompute(struct test_scene *t, const struct photon_hit *hit, size_
     struct parallel *pool = parallel_new(2);
     assert_non_null(pool);
     assert_int_equal(photon_map_build(&t->scene, hit, count, pool, quiet, map), SATIN_OK);
-    const struct photon_precompute what = {map,  &t->scene, 1,   K, KERNEL_PARABOLA,
-                                           true, smooth,    true};
+    const struct photon_precompute what = {map,  &t->scene, 1,    K,    KERNEL_PARABOLA,
+                                           true, smooth,    true, false};
     assert_int_equal(photon_irradiance_build(&what, pool, quiet, out), SATIN_OK);
     parallel_free(pool);
 }
@@ -220,7 +220,8 @@ static void extreme_values_stay(void **state) {
     for (size_t i = 0; i < map.count; i++) map.photon[i].power = rgb_grey(1e30f);
     for (size_t i = 0; i < r.count; i++) r.E[i] = rgb_grey(1e34f);
     struct parallel *pool = parallel_new(1);
-    const struct photon_precompute what = {&map, &t.scene, 1, K, KERNEL_PARABOLA, true, true, true};
+    const struct photon_precompute what = {&map, &t.scene, 1,    K,    KERNEL_PARABOLA,
+                                           true, true,     true, false};
     assert_int_equal(photon_caustic_smooth(&what, pool, &r), SATIN_OK);
     for (size_t i = 0; i < r.count; i++) assert_true(r.E[i].r == 1e34f);
     parallel_free(pool);

@@ -41,7 +41,7 @@ static void photon_density_build(const struct test_scene *t, size_t count,
     assert_int_equal(photon_map_build(&t->scene, hit, count, pool, quiet, map), SATIN_OK);
     map->radius_max = 0.15f;
     const struct photon_precompute what = {
-        map, &t->scene, PHOTON_CAUSTIC_STRIDE, K, KERNEL_PARABOLA, true, true, true};
+        map, &t->scene, PHOTON_CAUSTIC_STRIDE, K, KERNEL_PARABOLA, true, true, true, false};
     assert_int_equal(photon_irradiance_build(&what, pool, quiet, &maps->caustic_irradiance),
                      SATIN_OK);
     parallel_free(pool);

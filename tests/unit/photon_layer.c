@@ -51,12 +51,13 @@ struct counted {
     int over, beside, under;
 };
 
-static struct counted counted_at(const struct test_scene *t, const struct photon_map *map, vec3 p) {
+static struct counted counted_at(const struct test_scene *t, const struct photon_map *map, vec3 p,
+                                 enum photon_correction correction) {
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     struct photon_disc disc;
     const struct photon_query query = {map,          &t->scene,   p,         v3(0, 0, 1),
-                                       3 * PART + 1, KERNEL_FLAT, AREA_WHOLE};
+                                       3 * PART + 1, KERNEL_FLAT, correction};
     struct counted counted = {0};
     photon_disc_find(&query, row, distance2, &disc);
     for (int i = 0; i < disc.count; i++) {
@@ -83,12 +84,37 @@ static void layers_are_not_steps(void **state) {
         l.hit[3 * i + 2] = hit_at(v3(x, y, 0), v3(0, 0, 1));
     }
     build_map(&l.t, l.hit, 3 * PART, &l.map);
-    const struct counted over = counted_at(&l.t, &l.map, v3(0.05f, 0, RISE)),
-                         beside = counted_at(&l.t, &l.map, v3(-0.05f, 0, 0)),
-                         under = counted_at(&l.t, &l.map, v3(0.05f, 0, 0));
+    const struct counted over = counted_at(&l.t, &l.map, v3(0.05f, 0, RISE), AREA_WHOLE),
+                         beside = counted_at(&l.t, &l.map, v3(-0.05f, 0, 0), AREA_WHOLE),
+                         under = counted_at(&l.t, &l.map, v3(0.05f, 0, 0), AREA_WHOLE);
     assert_true(over.over == PART && over.beside == PART && over.under == 0);
     assert_true(beside.over == PART && beside.beside == PART && beside.under == PART);
     assert_true(under.over == 0 && under.beside == PART && under.under == PART);
+    end_layered(&l);
+}
+
+// A pipe whose bottom is a step above a floor: the floor beneath it has photons where the pipe is
+// above the plane of its bottom.
+static void floor_under_a_pipe_does_not_count(void **state) {
+    (void)state;
+    struct layered l;
+    const float radius = 0.3f;
+    begin_layered(&l);
+    const struct mat4 along = mat4_rotate(v3(0, 1, 0), 90.0f),
+                      high = test_transform(v3(-0.5f, 0, radius + RISE), v3(1, 1, 1)),
+                      thin = test_transform(v3(0, 0, 0), v3(radius, radius, 1));
+    const struct mat4 lying = mat4_mul(&high, &along);
+    test_quadric(&l.t, SHAPE_CYLINDER, mat4_mul(&lying, &thin), true, l.grey);
+    test_scene_finish(&l.t);
+    for (uint32_t i = 0; i < 3 * PART; i++) {
+        const vec2 u = sample_sobol2(i, 0);
+        l.hit[i] = hit_at(v3(0.3f * u.x - 0.15f, 0.3f * u.y - 0.15f, 0), v3(0, 0, 1));
+    }
+    build_map(&l.t, l.hit, 3 * PART, &l.map);
+    const struct counted on = counted_at(&l.t, &l.map, v3(0, 0, 0), AREA_MEASURED),
+                         over = counted_at(&l.t, &l.map, v3(0, 0, RISE), AREA_MEASURED);
+    assert_int_equal(on.beside + on.under, 3 * PART);
+    assert_int_equal(over.beside + over.under, 0);
     end_layered(&l);
 }
 
@@ -109,7 +135,7 @@ static void photons_of_a_ball_count(void **state) {
             hit[i] = hit_at(v3(on.x, on.y, on.z - (float)side), v3_mul(on, (float)side));
         }
         build_map(&t, hit, 3 * PART, &map);
-        const struct counted counted = counted_at(&t, &map, v3(0, 0, 0));
+        const struct counted counted = counted_at(&t, &map, v3(0, 0, 0), AREA_WHOLE);
         assert_int_equal(counted.over + counted.beside + counted.under, 3 * PART);
         photon_map_free(&map);
         test_scene_free(&t);
@@ -153,6 +179,7 @@ static void photons_behind_a_wall_do_not_count(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(layers_are_not_steps),
+                                       cmocka_unit_test(floor_under_a_pipe_does_not_count),
                                        cmocka_unit_test(photons_of_a_ball_count),
                                        cmocka_unit_test(photons_behind_a_wall_do_not_count)};
     return cmocka_run_group_tests(tests, NULL, NULL);
