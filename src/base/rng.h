@@ -30,7 +30,8 @@ enum rng_stream {
     RNG_RECORD_TEST,
     RNG_DIVIDE,
     RNG_LOOKUP,
-    RNG_REFINE
+    RNG_REFINE,
+    RNG_OPENING
 };
 
 struct rng {

@@ -20,6 +20,8 @@ enum {
     // all such bins.
     SMALL_RAYS = 64,
     SMALL_RAYS_ALL = 2048,
+    // Paths of each light that look for openings which no point sees, per path of the eye.
+    UNSEEN_PATHS = 8,
     BINS_CHUNK = 16  // bins or cells per chunk of the loops without rays
 };
 
@@ -215,9 +217,10 @@ static float entered_fraction(const struct sky_learning *l, size_t bin) {
 // alone, such as the ground before a window, count as those beside the open ones. Those of small
 // openings have the weight that leaves the least variance, the root of the fraction of photons that
 // come in: it is known, as rays are many.
-static void find_openings(const struct sky_learning *l) {
+static satin_status find_openings(const struct sky_learning *l, struct parallel *pool) {
     struct guide_visibility *visibility = l->visibility;
     float weight[LIGHT_HISTOGRAM_BINS], most = 0.0f;
+    satin_status status = SATIN_OK;
     for (size_t bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++) {
         weight[bin] = entered_fraction(l, bin);
         most = fmaxf(most, weight[bin]);
@@ -228,8 +231,12 @@ static void find_openings(const struct sky_learning *l) {
         else
             weight[bin] = l->open[bin] ? BESIDE : 0.0f;
     }
+    if (!(most > 0.0f))
+        status = guide_openings_unseen(l->scene, l->seed, &visibility->box,
+                                       UNSEEN_PATHS * (size_t)visibility->paths, pool, weight);
     guide_openings_make(l->scene, &visibility->box, weight, &visibility->openings,
                         &visibility->aim);
+    return status;
 }
 
 // The bins through which a cell traces rays. From points in the box, light of the others is hidden.
@@ -404,7 +411,7 @@ satin_status guide_sky_learn(const struct satin_scene *scene, uint64_t seed,
     if (l.square && l.traced && l.entered && l.left && l.open && l.open_within && l.maybe) {
         const bool done = learn_bins(&l, pool) && (!visibility->sky || learn_sky(&l, pool));
         status = done ? SATIN_OK : SATIN_CANCELLED;
-        if (done) find_openings(&l);
+        if (done) status = find_openings(&l, pool);
     }
     free(l.square);
     free(l.traced);

@@ -22,6 +22,14 @@ void guide_openings_make(const struct satin_scene *scene, const struct light_box
                          const float weight[LIGHT_HISTOGRAM_BINS], struct light_openings *openings,
                          struct light_aim *aim);
 
+// Finds the bins by which light from infinitely far comes into the box (guide_openings_unseen.c),
+// by `paths` paths that these lights start towards it, and sets their weights; those of the others
+// are 0. The result does not depend on the threads of the pool. SATIN_CANCELLED or
+// SATIN_ERROR_MEMORY.
+satin_status guide_openings_unseen(const struct satin_scene *scene, uint64_t seed,
+                                   const struct light_box *box, size_t paths, struct parallel *pool,
+                                   float weight[LIGHT_HISTOGRAM_BINS]);
+
 // ---- What is visible ---------------------------------------------------------------------------
 
 // What was measured in each cell.

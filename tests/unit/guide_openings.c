@@ -184,8 +184,9 @@ static void threads_do_not_change_openings(void **state) {
     end_open_room(&room);
 }
 
-// A room whose wall of .1 has a hole of this width, on a ground, under a sky.
-static void room_with_hole(struct test_scene *t, float width) {
+// A room whose wall of .1 has a hole of this width, on a ground. It is under a sky or, behind a
+// screen that hides the hole, lit by the sun.
+static void room_with_hole(struct test_scene *t, float width, bool screen) {
     const float top = 0.2f + width, half = 0.5f * width, side = 0.5f * (1.1f - half);
     test_scene_init(t);
     test_slit_room(t, true);
@@ -198,7 +199,14 @@ static void room_with_hole(struct test_scene *t, float width) {
         t, test_transform(v3(1.05f, 0, 0.5f * (top + 0.5f)), v3(0.05f, half, 0.5f * (0.5f - top))),
         false, grey);
     test_rectangle(t, test_transform(v3(0, 0, -2), v3(20, 20, 1)), grey);
-    test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    if (screen) {
+        test_cube(t, test_transform(v3(0.85f, 0, 0.2f), v3(0.03f, 0.6f, 0.6f)), false, grey);
+        test_light(t, (struct light){.kind = LIGHT_DIRECTIONAL,
+                                     .direction = v3_unit(v3(-1, 0.1f, -0.1f)),
+                                     .value = rgb_grey(3.0f)});
+    } else {
+        test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    }
     test_scene_finish(t);
     test_look_down(t);
 }
@@ -206,37 +214,50 @@ static void room_with_hole(struct test_scene *t, float width) {
 // Many photons through openings start at the hole, with every seed; one ray through each bin from
 // so many points finds it by chance. Paths that have left the room by it do not make the box
 // larger.
-static void small_holes_are_found(void **state) {
+static void find_holes(const struct test_scene *t, float width) {
     enum { SEEDS = 8, DRAWN = 256 };
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        const struct guide_visibility_samples samples = {
+            .paths = 4096, .box_rays = 8, .bin_rays = 1, .open_bins = 1024, .light_rays = 32};
+        struct guide_visibility *visibility;
+        struct parallel *pool = parallel_new(2);
+        assert_int_equal(guide_visibility_build(&t->scene, seed, samples, pool, &visibility),
+                         SATIN_OK);
+        const struct light_aim *aim = guide_visibility_aim(visibility);
+        assert_non_null(aim);
+        int near = 0;
+        for (uint32_t i = 0; i < DRAWN; i++) {
+            const vec2 u = sample_sobol2(i, 0);
+            const vec3 p =
+                light_openings_point(aim->openings, v3_unit(v3(-1, 0.1f, -0.1f)), u.x, u.y);
+            near += p.x > 0.9f && fabsf(p.y) < 0.1f && fabsf(p.z - 0.2f) < 0.15f;
+        }
+        printf("hole of %g: %d of %d, box up to %.3f\n", (double)width, near, DRAWN,
+               (double)visibility->box.hi.x);
+        assert_true(near > DRAWN / 8 && visibility->box.hi.x < 1.2f);
+        guide_visibility_free(visibility);
+        parallel_free(pool);
+    }
+}
+
+static void small_holes_are_found(void **state) {
     (void)state;
     for (int wide = 0; wide < 2; wide++) {
         const float width = wide ? 0.1f : 0.04f;
         struct test_scene t;
-        room_with_hole(&t, width);
-        for (uint64_t seed = 0; seed < SEEDS; seed++) {
-            const struct guide_visibility_samples samples = {
-                .paths = 4096, .box_rays = 8, .bin_rays = 1, .open_bins = 1024, .light_rays = 32};
-            struct guide_visibility *visibility;
-            struct parallel *pool = parallel_new(2);
-            assert_int_equal(guide_visibility_build(&t.scene, seed, samples, pool, &visibility),
-                             SATIN_OK);
-            const struct light_aim *aim = guide_visibility_aim(visibility);
-            assert_non_null(aim);
-            int near = 0;
-            for (uint32_t i = 0; i < DRAWN; i++) {
-                const vec2 u = sample_sobol2(i, 0);
-                const vec3 p =
-                    light_openings_point(aim->openings, v3_unit(v3(-1, 0.1f, -0.1f)), u.x, u.y);
-                near += p.x > 0.9f && fabsf(p.y) < 0.1f && fabsf(p.z - 0.2f) < 0.15f;
-            }
-            printf("hole of %g: %d of %d, box up to %.3f\n", (double)width, near, DRAWN,
-                   (double)visibility->box.hi.x);
-            assert_true(near > DRAWN / 8 && visibility->box.hi.x < 1.2f);
-            guide_visibility_free(visibility);
-            parallel_free(pool);
-        }
+        room_with_hole(&t, width, false);
+        find_holes(&t, width);
         test_scene_free(&t);
     }
+}
+
+// Neither the eye nor any point on its paths sees the hole.
+static void holes_behind_a_screen_are_found(void **state) {
+    (void)state;
+    struct test_scene t;
+    room_with_hole(&t, 0.1f, true);
+    find_holes(&t, 0.1f);
+    test_scene_free(&t);
 }
 
 // The box is around the room although its window shows a wall that is larger in all directions.
@@ -299,6 +320,7 @@ int main(void) {
         cmocka_unit_test(the_power_is_that_of_the_sky),
         cmocka_unit_test(threads_do_not_change_openings),
         cmocka_unit_test(small_holes_are_found),
+        cmocka_unit_test(holes_behind_a_screen_are_found),
         cmocka_unit_test(a_wall_outside_is_left_out),
         cmocka_unit_test(openings_are_small),
     };
