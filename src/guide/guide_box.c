@@ -250,25 +250,27 @@ static void leave_few(struct box_faces *faces) {
     }
 }
 
-bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
-                    size_t rays, struct parallel *pool, struct light_box *out, float *arriving) {
+satin_status guide_box_find(const struct satin_scene *scene, uint64_t seed,
+                            const struct guide_cells *cells, size_t rays, struct parallel *pool,
+                            struct light_box *out, float *arriving) {
     struct box_search search = {.scene = scene, .cells = cells, .seed = seed, .batch = rays};
     for (size_t i = 0; i < guide_cells_count(cells); i++) search.points += cells->cell[i].count;
     search.sorted = array_new(search.points, sizeof *search.sorted);
     search.ray = array_new_unset(BOX_BATCHES * rays, sizeof *search.ray);
     size_t arrived = 0;
-    bool done = search.sorted && search.ray && trace_batches(&search, pool, &arrived);
-    if (done) {
+    satin_status status = search.sorted && search.ray ? SATIN_OK : SATIN_ERROR_MEMORY;
+    if (status == SATIN_OK && !trace_batches(&search, pool, &arrived)) status = SATIN_CANCELLED;
+    if (status == SATIN_OK) {
         struct box_faces faces;
         begin_faces(&search, &faces);
-        if (arrived >= ARRIVING_LEAST)
-            done = move_faces(&search, &faces, pool);
-        else
+        if (arrived < ARRIVING_LEAST)
             leave_few(&faces);
+        else if (!move_faces(&search, &faces, pool))
+            status = SATIN_CANCELLED;
         *out = moved_box(&search, &faces, 0, faces.chosen[0]);
         *arriving = (float)arrived / (float)search.rays;
     }
     free(search.ray);
     free(search.sorted);
-    return done;
+    return status;
 }

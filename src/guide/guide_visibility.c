@@ -105,9 +105,7 @@ static satin_status find_cells_by(struct learning *l, int paths, struct parallel
     *arriving = 1.0f;
     if (l->cells == 0 || !has_far_light(l->scene)) return SATIN_OK;
     const size_t rays = (size_t)paths * (size_t)l->samples.box_rays;
-    const bool done =
-        guide_box_find(l->scene, l->seed, cells, rays, pool, &l->visibility->box, arriving);
-    return done ? SATIN_OK : SATIN_CANCELLED;
+    return guide_box_find(l->scene, l->seed, cells, rays, pool, &l->visibility->box, arriving);
 }
 
 static satin_status find_cells_and_box(struct learning *l, struct parallel *pool) {

@@ -9,10 +9,11 @@
 
 // Finds the box in whose bins the visibility of the environment is most alike from all points, by
 // so many rays from them, or a few times as many. *arriving is set to the fraction of them that
-// leave the scene. The result does not depend on the threads of the pool. False if there is no
-// memory or the pool was stopped.
-bool guide_box_find(const struct satin_scene *scene, uint64_t seed, const struct guide_cells *cells,
-                    size_t rays, struct parallel *pool, struct light_box *out, float *arriving);
+// leave the scene. The result does not depend on the threads of the pool. SATIN_CANCELLED or
+// SATIN_ERROR_MEMORY.
+satin_status guide_box_find(const struct satin_scene *scene, uint64_t seed,
+                            const struct guide_cells *cells, size_t rays, struct parallel *pool,
+                            struct light_box *out, float *arriving);
 
 // ---- Openings (guide_openings.c) ----------------------------------------------------------------
 
