@@ -250,6 +250,17 @@ static void leave_few(struct box_faces *faces) {
     }
 }
 
+float guide_box_exit(const struct light_box *box, vec3 p, vec3 w) {
+    float exit = INFINITY;
+    for (int axis = 0; axis < 3; axis++) {
+        const float d = v3_along(w, axis);
+        if (d == 0.0f) continue;
+        const float face = v3_along(d > 0.0f ? box->hi : box->lo, axis);
+        exit = fminf(exit, (face - v3_along(p, axis)) / d);
+    }
+    return exit;
+}
+
 satin_status guide_box_find(const struct satin_scene *scene, uint64_t seed,
                             const struct guide_cells *cells, size_t rays, struct parallel *pool,
                             struct light_box *out, float *arriving) {

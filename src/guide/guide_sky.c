@@ -20,7 +20,7 @@ enum {
     // all such bins.
     SMALL_RAYS = 64,
     SMALL_RAYS_ALL = 2048,
-    // Paths of each light that look for openings which no point sees, per path of the eye.
+    // Paths of the lights that look for openings which no point sees, per path of the eye.
     UNSEEN_PATHS = 8,
     BINS_CHUNK = 16  // bins or cells per chunk of the loops without rays
 };
@@ -93,14 +93,8 @@ static size_t learned_at(size_t i, size_t bin) { return LIGHT_HISTOGRAM_BINS * i
 // Whether a ray along w from a point in the box goes on beyond the box.
 static bool leaves_box(const struct sky_learning *l, const struct guide_cell_point *p, vec3 w) {
     const struct light_box *box = &l->visibility->box;
-    float exit = INFINITY;
     if (!v3_within(p->p, box->lo, box->hi)) return false;
-    for (int axis = 0; axis < 3; axis++) {
-        const float d = v3_along(w, axis);
-        if (d == 0.0f) continue;
-        const float face = v3_along(d > 0.0f ? box->hi : box->lo, axis);
-        exit = fminf(exit, (face - v3_along(p->p, axis)) / d);
-    }
+    const float exit = guide_box_exit(box, p->p, w);
     const float beyond = BEYOND_LEAST * v3_max_abs(v3_sub(box->hi, box->lo));
     const struct ray ray = scene_spawn(l->scene, p->p, p->ng, w);
     return scene_distance(l->scene, &ray) > exit + beyond;

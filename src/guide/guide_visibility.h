@@ -15,6 +15,9 @@ satin_status guide_box_find(const struct satin_scene *scene, uint64_t seed,
                             const struct guide_cells *cells, size_t rays, struct parallel *pool,
                             struct light_box *out, float *arriving);
 
+// The distance from a point in the box along w to where that leaves the box.
+float guide_box_exit(const struct light_box *box, vec3 p, vec3 w);
+
 // ---- Openings (guide_openings.c) ----------------------------------------------------------------
 
 // Makes the openings, which are bins of the box, and the aim at them. By weights, one bin gets more

@@ -78,20 +78,22 @@ static void widen_disc(const struct photon_precompute *what, size_t entry,
     }
 }
 
-// If the photons of a disc lie on one side, makes it of fewer of them if these do not.
-static void narrow_disc(const struct photon_precompute *what, size_t entry,
+// If the photons of a disc lie on one side, makes it of fewer of them if these do not. Whether they
+// still do.
+static bool narrow_disc(const struct photon_precompute *what, size_t entry,
                         struct photon_entry_rows *rows, struct photon_entry *out) {
-    if (!what->narrows || !photon_disc_is_aside(&out->disc)) return;
-    for (int k = what->k / 2; k >= NARROW_LEAST; k /= 2) {
+    if (!photon_disc_is_aside(&out->disc)) return false;
+    for (int k = what->k / 2; what->narrows && k >= NARROW_LEAST; k /= 2) {
         const float least = NARROW_COUNTED * (float)k;
         struct photon_entry narrow;
         search_disc(what, entry, k, rows, &narrow);
-        if (!(narrow.disc.r > 0.0f)) return;
+        if (!(narrow.disc.r > 0.0f)) break;
         if (photon_disc_is_aside(&narrow.disc) || photon_disc_counted(&narrow.disc, least) < least)
             continue;
         *out = narrow;
-        return;
+        return false;
     }
+    return true;
 }
 
 void photon_entry_estimate(const struct photon_precompute *what, size_t entry,
@@ -99,5 +101,6 @@ void photon_entry_estimate(const struct photon_precompute *what, size_t entry,
                            struct photon_entry_rows rows[2], struct photon_entry *out) {
     make_disc(what, entry, what->k, clearing, row, distance2, &out->disc);
     widen_disc(what, entry, &rows[0], out);
-    narrow_disc(what, entry, &rows[1], out);
+    const bool aside = narrow_disc(what, entry, &rows[1], out);
+    if (aside || photon_disc_has_few_paths(&out->disc)) out->ring = INFINITY;
 }

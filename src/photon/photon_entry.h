@@ -13,7 +13,7 @@ struct photon_entry_rows {
 // The estimate of an entry.
 struct photon_entry {
     struct photon_disc disc;
-    float ring;  // radius of a disc with as many photons around it
+    float ring;  // radius of a disc with as many photons around it; INFINITY: it is not reliable
 };
 // Makes it (photon_entry.c), given the k nearest photons, the clearing around the entry or NULL,
 // and out->ring of these photons. It is valid as long as row, distance2 and rows are.

@@ -49,8 +49,7 @@ static void precompute_one(struct precompute_loop *loop, size_t entry,
     loop->out->E[entry] = photon_disc_irradiance(&at.disc);
     if (loop->out->last) loop->out->last[entry] = photon_disc_last(&at.disc);
     loop->out->radius[entry] = at.disc.r;
-    if (loop->out->ring)
-        loop->out->ring[entry] = photon_disc_reliable(&at.disc) ? at.ring : INFINITY;
+    if (loop->out->ring) loop->out->ring[entry] = at.ring;
     what->map->whole_disc[entry] = !at.disc.corrected;
     loop->out->position.clear[entry] = photon_disc_clear(&at.disc);
 }

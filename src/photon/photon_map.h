@@ -338,13 +338,14 @@ static inline struct photon_reflection photon_reflection_make(const struct frame
 rgb photon_disc_radiance(const struct photon_disc *disc, const struct photon_reflection *at);
 // That part of the irradiance whose photons have bounced as often as they may.
 rgb photon_disc_last(const struct photon_disc *disc);
-// Whether gather rays may read the estimate (photon_reliable.c) of a disc without hidden photons.
-// They may not if its photons are those of few light paths: in a crack between bright walls a
-// photon that has found its way in is stored dozens of times, and looks like dense light. Nor may
-// they if its photons lie on one side.
-bool photon_disc_reliable(const struct photon_disc *disc);
-// Whether the photons lie on one side of the surface in the disc, as beside a bright strip.
+// Whether the photons of a disc without hidden ones are those of few light paths
+// (photon_reliable.c). In a crack between bright walls a photon that has found its way in is stored
+// dozens of times, and looks like dense light.
+bool photon_disc_has_few_paths(const struct photon_disc *disc);
+// Whether they lie on one side of the surface in it, as beside a bright strip.
 bool photon_disc_is_aside(const struct photon_disc *disc);
+// Whether gather rays may read the estimate: neither is so.
+bool photon_disc_reliable(const struct photon_disc *disc);
 // The number of photons that would be counted if all of a disc of radius r > 0 were surface, up to
 // about `most`. Others of its photons are on the other side of the surface, or on other ones.
 float photon_disc_counted(const struct photon_disc *disc, float most);

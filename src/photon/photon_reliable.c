@@ -16,7 +16,7 @@ static const float FRACTION_OF_PATHS = 0.5f;
 // the disc; at a border of light it is .42. In docs/experiments/first-passes.md.
 static const float OFF_CENTRE_MOST = 0.3f;
 
-static bool has_few_paths(const struct photon_disc *disc) {
+bool photon_disc_has_few_paths(const struct photon_disc *disc) {
     enum { HASHES = 64 };
     uint64_t found = 0;
     for (int i = 0; i < disc->count; i++) found |= 1ull << disc->map->photon[disc->row[i]].path;
@@ -49,5 +49,5 @@ bool photon_disc_is_aside(const struct photon_disc *disc) {
 }
 
 bool photon_disc_reliable(const struct photon_disc *disc) {
-    return !has_few_paths(disc) && !photon_disc_is_aside(disc);
+    return !photon_disc_has_few_paths(disc) && !photon_disc_is_aside(disc);
 }
