@@ -55,6 +55,7 @@ struct path_vertex {
 struct path {
     struct sampler sampler;            // for all decisions, in the order in which they are made
     const struct gather_cones *cones;  // to which diffuse bounces are guided; NULL: to none
+    bool strict;                       // whether its lookups are
     struct path_vertex vertex[VERTICES];
 };
 
@@ -221,7 +222,7 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
 }
 
 // Reads the estimate at the end z of a segment. First pass `recursive` has records instead.
-static struct gather_estimate estimate_at(const struct path_vertex *z) {
+static struct gather_estimate estimate_at(const struct path_vertex *z, bool strict) {
     const struct gather *g = z->g;
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     if (has_records(g)) return none;
@@ -229,8 +230,8 @@ static struct gather_estimate estimate_at(const struct path_vertex *z) {
     int entry;
     rgb E;
     const int more = z->depth - photon_hit_depth(g->options);
-    const struct photon_lookups one = {1,     &z->y->interaction.p, &z->y->ng, &more, &E, &radius,
-                                       &entry};
+    const struct photon_lookups one = {
+        1, &z->y->interaction.p, &z->y->ng, &more, &E, &radius, &entry, strict};
     photon_irradiance_many(g->maps, g->scene, &one);
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
     return (struct gather_estimate){gather_reads_photons(g, z->depth) ? E : none.E,
@@ -273,16 +274,17 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     z->segments = next_bounce ? v->segments : v->segments + 1;
     z->depth = next_bounce ? depth - 1 : depth;
     z->y = &z->point;
-    add_vertex_light(path, z, estimate_at(z));
+    add_vertex_light(path, z, estimate_at(z, path->strict));
     return true;
 }
 
 rgb gather_bounces(const struct gather *g, const struct shading_point *y, int depth,
-                   struct gather_estimate estimate, const struct gather_cones *cones,
+                   struct gather_estimate estimate, const struct gather_near *near,
                    struct sampler sampler) {
     struct path path;  // not initialised as a whole, as few of its vertices are used
     path.sampler = sampler;
-    path.cones = cones;
+    path.cones = near ? &near->cones : NULL;
+    path.strict = gather_near_of_record(near);
     struct path_vertex *v = path.vertex;
     v->g = g;
     v->y = y;

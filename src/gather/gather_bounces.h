@@ -27,9 +27,9 @@ static inline const rgb *gather_direct_known(const struct gather *g, const struc
 
 // The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its
 // viewer, without emitted light. `depth` is the number of segments from the eye to y. Diffuse
-// bounces are guided to `cones`, which may be NULL.
+// bounces are guided to the clusters of `near`; NULL: to none.
 rgb gather_bounces(const struct gather *g, const struct shading_point *y, int depth,
-                   struct gather_estimate estimate, const struct gather_cones *cones,
+                   struct gather_estimate estimate, const struct gather_near *near,
                    struct sampler sampler);
 
 #endif

@@ -51,7 +51,7 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
     if (!g->clusters) return;
     rgb E;
     float *expected = &out->near.expected, radius, density;
-    const struct photon_lookups one = {1, &site->p, &site->ng, NULL, &E, &radius, NULL};
+    const struct photon_lookups one = {1, &site->p, &site->ng, NULL, &E, &radius, NULL, false};
     photon_irradiance_many(g->maps, g->scene, &one);
     *expected = rgb_luminance(E);
     out->to.count = guide_cones_from(g->clusters, g->scene, &at, out->to.cone, expected);

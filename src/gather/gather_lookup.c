@@ -18,7 +18,8 @@ bool gather_look_up(const struct gather *g, struct ray ray, float pdf_w, struct 
     rgb E;
     const float t = y.interaction.t;
     const int more = segment.specular + g->deeper;
-    const struct photon_lookups one = {1, &y.interaction.p, &y.ng, &more, &E, &radius, &out->entry};
+    const struct photon_lookups one = {1,  &y.interaction.p, &y.ng,       &more,
+                                       &E, &radius,          &out->entry, false};
     photon_irradiance_many(g->maps, g->scene, &one);
     const bool near = gather_is_near(g, t, radius, GATHER_NEAR_DISCS);
     if (!gather_is_reliable(g, &y, radius, near)) return false;

@@ -63,6 +63,14 @@ struct gather_near {
                                 // contribute follow
 };
 
+// Whether the rays are those of a record, whose light the image shows over an area: they read what
+// is reliable alone, with strict lookups. Single rays also read what may be wrong, as the noise of
+// paths would be visible: with strict lookups for them, too, the image of a dark glossy floor had
+// 1.7 times the error (docs/experiments/first-passes.md).
+static inline bool gather_near_of_record(const struct gather_near *near) {
+    return near && !near->single;
+}
+
 // A point from which the visibility of clusters is tested, and the irradiance there by other light.
 struct gather_probe {
     struct guide_point at;

@@ -35,7 +35,8 @@ static rgb density_irradiance(const struct gather *g, const struct gather_hit *h
 }
 
 // Finds E and radius of `count` hits, by a common lookup or by an estimate for each.
-static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
+static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_t count,
+                         bool strict) {
     const bool precomputed = photon_precomputes(g->options);
     for (size_t i = 0; i < count; i++) {
         const struct shading_point *y = &hits->hit[i].point;
@@ -45,8 +46,8 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
         hits->more[i] = hits->hit[i].specular + g->deeper;
         if (!precomputed) hits->E[i] = density_irradiance(g, &hits->hit[i], &hits->radius[i]);
     }
-    const struct photon_lookups lookups = {count,   hits->p,      hits->n,    hits->more,
-                                           hits->E, hits->radius, hits->entry};
+    const struct photon_lookups lookups = {count,   hits->p,      hits->n,     hits->more,
+                                           hits->E, hits->radius, hits->entry, strict};
     if (precomputed) photon_irradiance_many(g->maps, g->scene, &lookups);
     for (size_t i = 0; i < count; i++)
         if (!gather_reads_photons(g, photon_hit_depth(g->options) + hits->more[i]))
@@ -93,7 +94,7 @@ static int samples_of_hit(float bright, float mean) {
 static void reflect_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                          struct gather_near *near) {
     const float discs = near ? near->discs : GATHER_NEAR_DISCS;
-    look_up_hits(g, hits, count);
+    look_up_hits(g, hits, count, gather_near_of_record(near));
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
         const float radius = hits->radius[i];
@@ -108,9 +109,8 @@ static void reflect_hits(const struct gather *g, struct gather_hits *hits, size_
         const struct gather_estimate estimate = {
             hits->E[i], hits->reliable[i], gather_direct_known(g, &hit->point, hits->entry[i]),
             samples_of_hit(hits->bright[i], mean)};
-        const struct gather_cones *cones = near ? &near->cones : NULL;
         const rgb L = gather_bounces(g, &hit->point, gather_hit_depth(g) + hit->specular, estimate,
-                                     cones, hit->sampler);
+                                     near, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
     }
 }

@@ -28,8 +28,8 @@ static void find_entries(void *ctx, size_t begin, size_t end, int worker) {
         p[i - begin] = lookup->direct->hit[i].p;
         n[i - begin] = photon_unpack(lookup->direct->hit[i].n);
     }
-    const struct photon_lookups lookups = {end - begin,          p, n, NULL, E, radius,
-                                           lookup->entry + begin};
+    const struct photon_lookups lookups = {end - begin,           p,    n, NULL, E, radius,
+                                           lookup->entry + begin, false};
     photon_irradiance_many(lookup->maps, lookup->scene, &lookups);
 }
 

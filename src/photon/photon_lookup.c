@@ -2,7 +2,7 @@
 // Lookups of precomputed irradiance: which entry a point reads, and what of its light. An entry
 // that faces away from the point or is hidden from it by a wall is replaced by another one near it,
 // and light fades where no entry is as near as photons lie.
-#include "photon/photon_map.h"
+#include "photon/photon_entry.h"
 
 enum {
     IRRADIANCE_BATCH = PHOTON_VOXEL_LOOKUPS,  // lookups that are searched together
@@ -153,10 +153,25 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     return rgb_scale(r->E[entry], left / far);
 }
 
-// Whether light arrives at p: p is as near to the row as the photons around it are.
-static bool is_before_fade(const struct photon_irradiance *r, int row, vec3 p) {
+// The squared distance up to which strict lookups read an entry, over that at which it fades. Where
+// light is even, one point in 67 is farther from all entries; beyond a border of light most are,
+// and a faded entry of the bright side is brighter than they are. A dark room beside a bright one,
+// with a slit of 1 cm beside its door, had 1.5 to 2.7 times its light if all entries were read, 1.0
+// to 1.7 times up to a factor of 1, and .8 to 1.0 up to .5 (docs/experiments/first-passes.md).
+static const float REACHED = 0.7f;
+
+// Whether light arrives at p: p is as near to the row as the photons around that are, with the
+// largest squared distance over that at which it fades.
+static bool is_reached(const struct photon_irradiance *r, int row, vec3 p, float far) {
     const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
-    return d2 <= r->fade2 * sqrf(r->radius[row]);
+    return d2 <= far * r->fade2 * sqrf(r->radius[row]);
+}
+
+// The width of what a lookup at p reads.
+static float width_at(const struct photon_irradiance *r, int row, vec3 p, bool strict) {
+    if (row < 0) return INFINITY;
+    if (!strict) return r->ring[row].all;
+    return is_reached(r, row, p, REACHED) ? r->ring[row].surface : INFINITY;
 }
 
 // The fraction of an entry's light, by colour, whose photons may bounce once more for each of the
@@ -207,9 +222,9 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
                 rgb_mul(photon_irradiance_value(r, row[i], p[j]),
                         lookups->segments ? fraction_within(r, row[i], lookups->segments[j])
                                           : rgb_grey(1.0f));
-            lookups->radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
+            lookups->radius[j] = width_at(r, row[i], p[j], lookups->strict);
             if (lookups->entry)
-                lookups->entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
+                lookups->entry[j] = row[i] >= 0 && is_reached(r, row[i], p[j], 1.0f) ? row[i] : -1;
         }
     }
 }
@@ -241,7 +256,7 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 rgb photon_irradiance_at(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                          vec3 n, float *radius, int *entry) {
     rgb E;
-    const struct photon_lookups one = {1, &p, &n, NULL, &E, radius, entry};
+    const struct photon_lookups one = {1, &p, &n, NULL, &E, radius, entry, false};
     photon_irradiance_many(maps, scene, &one);
     return E;
 }

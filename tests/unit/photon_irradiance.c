@@ -33,6 +33,15 @@ static rgb read_irradiance(const struct mapped_scene *s, vec3 p, vec3 n, float *
     return photon_irradiance_at(s->maps, &s->t.scene, p, n, radius, NULL);
 }
 
+// The radius of a strict lookup.
+static float strict_radius(const struct mapped_scene *s, vec3 p, vec3 n) {
+    rgb E;
+    float radius;
+    const struct photon_lookups one = {1, &p, &n, NULL, &E, &radius, NULL, true};
+    photon_irradiance_many(s->maps, &s->t.scene, &one);
+    return radius;
+}
+
 static void free_mapped(struct mapped_scene *s) {
     photon_maps_free(s->maps);
     test_scene_free(&s->t);
@@ -173,6 +182,83 @@ static void floor_over_light_is_dark(void **state) {
     free_mapped(&s);
 }
 
+// The light of a spot ends at a circle. Strict lookups read its entries within it, and not farther
+// outside than photons lie.
+static void strict_lookups_end_with_the_light(void **state) {
+    (void)state;
+    enum { POINTS = 256 };
+    const float angle = 0.5f;
+    const vec3 up = v3(0, 0, 1);
+    struct mapped_scene s;
+    test_scene_init(&s.t);
+    test_rectangle(&s.t, test_transform(v3(0, 0, 0), v3(4, 4, 1)),
+                   test_diffuse(&s.t, 0.5f, 0.5f, 0.5f));
+    test_light(&s.t, (struct light){.kind = LIGHT_SPOT,
+                                    .position = v3(0, 0, 2),
+                                    .direction = v3(0, 0, -1),
+                                    .cos_cutoff = cosf(angle),
+                                    .cos_beam = cosf(0.98f * angle),
+                                    .value = rgb_grey(10.0f)});
+    test_scene_finish(&s.t);
+    map_scene(&s, 20000, false);
+    int inside = 0, outside = 0, faded = 0;
+    for (int i = 0; i < POINTS; i++) {
+        const float around = 2.0f * PI_F * (float)i / POINTS, rim = 2.0f * tanf(angle);
+        const vec3 out = v3(rim * cosf(around), rim * sinf(around), 0.0f);
+        float radius;
+        inside += isfinite(strict_radius(&s, v3_mul(out, 0.7f), up));
+        outside += isfinite(strict_radius(&s, v3_mul(out, 1.3f), up));
+        faded += read_irradiance(&s, v3_mul(out, 1.3f), up, &radius).g > 0.0f && isfinite(radius);
+    }
+    print_message("%d inside, %d outside, where %d are not strict\n", inside, outside, faded);
+    assert_true(inside > 0.95 * POINTS && outside == 0 && faded > POINTS / 4);
+    free_mapped(&s);
+}
+
+// A thin wall between two lamps; that of the lower side has the fraction `dark` of the light.
+static void map_thin_wall(struct mapped_scene *s, float dark) {
+    test_scene_init(&s->t);
+    const uint32_t grey = test_diffuse(&s->t, 0.1f, 0.1f, 0.1f);
+    test_rectangle(&s->t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
+    for (int side = -1; side <= 1; side += 2) {
+        const struct mat4 at = test_transform(v3(0, 0, 1.1f * (float)side), v3(1, 1, 0.1f));
+        const uint32_t lamp = test_cube(&s->t, at, false, grey);
+        test_area_light(&s->t, lamp, rgb_grey(side > 0 ? 1.0f : dark));
+    }
+    test_scene_finish(&s->t);
+    map_scene(s, 200000, false);
+}
+
+// The photons of both sides of a wall are near each other. Strict lookups of the dark side, where a
+// sixth of them are, are wider by the root of six than others, or by less where an entry is
+// reached: there are more photons around it.
+static void strict_lookups_are_as_wide_as_their_surface(void **state) {
+    (void)state;
+    enum { POINTS = 1024 };
+    struct mapped_scene s;
+    map_thin_wall(&s, 0.2f);
+    double sum[2] = {0.0};
+    int read[2] = {0};
+    for (int i = 0; i < POINTS; i++) {
+        const vec2 u = sample_sobol2((uint32_t)i, 0);
+        const vec3 p = v3(1.6f * u.x - 0.8f, 1.6f * u.y - 0.8f, 0.0f);
+        for (int up = 0; up < 2; up++) {
+            const vec3 n = v3(0, 0, up ? 1.0f : -1.0f);
+            float radius;
+            read_irradiance(&s, p, n, &radius);
+            const double wider = (double)(strict_radius(&s, p, n) / radius);
+            if (!isfinite(wider)) continue;
+            sum[up] += wider;
+            read[up]++;
+        }
+    }
+    print_message("%.2f times as wide at %d points, and %.2f at %d of the bright side\n",
+                  sum[0] / read[0], read[0], sum[1] / read[1], read[1]);
+    assert_true(read[0] > POINTS / 2 && sum[0] / read[0] > 1.7 && sum[0] / read[0] < sqrt(6.0));
+    assert_true(read[1] > POINTS / 2 && fabs(sum[1] / read[1] / sqrt(1.2) - 1.0) < 0.1);
+    free_mapped(&s);
+}
+
 // A thin wall between two lamps, of which one is 20 times as bright: of the photons near the dark
 // side nearly all are on the other one. The dark side still has its light, everywhere.
 static void dark_side_of_a_thin_wall(void **state) {
@@ -180,15 +266,7 @@ static void dark_side_of_a_thin_wall(void **state) {
     enum { POINTS = 1024 };
     const float dark = 0.05f;
     struct mapped_scene s;
-    test_scene_init(&s.t);
-    const uint32_t grey = test_diffuse(&s.t, 0.1f, 0.1f, 0.1f);
-    test_rectangle(&s.t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
-    for (int side = -1; side <= 1; side += 2) {
-        const struct mat4 lamp = test_transform(v3(0, 0, 1.1f * (float)side), v3(1, 1, 0.1f));
-        test_area_light(&s.t, test_cube(&s.t, lamp, false, grey), rgb_grey(side > 0 ? 1.0f : dark));
-    }
-    test_scene_finish(&s.t);
-    map_scene(&s, 200000, false);
+    map_thin_wall(&s, dark);
     double E[2] = {0.0};
     int read[2] = {0};
     for (int i = 0; i < POINTS; i++) {
@@ -211,8 +289,12 @@ static void dark_side_of_a_thin_wall(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(radius_does_not_follow_noise), cmocka_unit_test(few_paths_are_not_read),
+        cmocka_unit_test(radius_does_not_follow_noise),
+        cmocka_unit_test(few_paths_are_not_read),
         cmocka_unit_test(floor_does_not_read_the_ground),
-        cmocka_unit_test(floor_over_light_is_dark), cmocka_unit_test(dark_side_of_a_thin_wall)};
+        cmocka_unit_test(floor_over_light_is_dark),
+        cmocka_unit_test(dark_side_of_a_thin_wall),
+        cmocka_unit_test(strict_lookups_are_as_wide_as_their_surface),
+        cmocka_unit_test(strict_lookups_end_with_the_light)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
