@@ -27,7 +27,8 @@ static inline const rgb *gather_direct_known(const struct gather *g, const struc
 
 // The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its
 // viewer, without emitted light. `depth` is the number of segments from the eye to y. Diffuse
-// bounces are guided to the clusters of `near`; NULL: to none.
+// bounces are guided to the clusters of `near`, and lookups are strict if it is of a record; NULL:
+// neither.
 rgb gather_bounces(const struct gather *g, const struct shading_point *y, int depth,
                    struct gather_estimate estimate, const struct gather_near *near,
                    struct sampler sampler);
