@@ -101,8 +101,8 @@ struct photon_lookups {
     float *radius;  // likewise
     int *entry;     // that of the point's surroundings, or -1 if none is as near as the spacing of
                     // the photons; may be NULL
-    // Whether the radius is that of the photons on the entry's surface, and INFINITY where the
-    // entry is farther than these lie: of light that falls off, E may be much too bright there.
+    // Whether the radius is INFINITY where the entry is farther than photons lie: of light that
+    // falls off, E may be much too bright there.
     bool strict;
 };
 // Looks up photon_irradiance_at for many points.

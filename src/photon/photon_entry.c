@@ -61,7 +61,7 @@ static void search_disc(const struct photon_precompute *what, size_t entry, int 
     const struct photon_map *map = what->map;
     photon_index_nearest(map->index, map->position + 3 * entry * what->stride, 1, 2 * k,
                          photon_map_far2(map), rows->row, rows->distance2);
-    out->ring.all = photon_ring_radius(rows->row, rows->distance2, k);
+    out->ring = photon_ring_radius(rows->row, rows->distance2, k);
     make_disc(what, entry, k, NULL, rows->row, rows->distance2, &out->disc);
 }
 
@@ -78,14 +78,6 @@ static void widen_disc(const struct photon_precompute *what, size_t entry,
     }
 }
 
-// The width of an estimate on its own surface, as far as the photons of the disc show that. Behind
-// a thin wall with a bright other side, whose photons make the ring narrow, estimates of 7 photons
-// were read from half of a dark room (docs/experiments/first-passes.md).
-static float ring_on_surface(const struct photon_precompute *what, const struct photon_entry *of) {
-    const float k = (float)what->k, counted = photon_disc_counted(&of->disc, k);
-    return counted < k ? of->ring.all * sqrtf(k / fmaxf(counted, 1.0f)) : of->ring.all;
-}
-
 // If the photons of a disc lie on one side, makes it of fewer of them if these do not. Whether they
 // still do.
 static bool narrow_disc(const struct photon_precompute *what, size_t entry,
@@ -98,7 +90,6 @@ static bool narrow_disc(const struct photon_precompute *what, size_t entry,
         if (!(narrow.disc.r > 0.0f)) break;
         if (photon_disc_is_aside(&narrow.disc) || photon_disc_counted(&narrow.disc, least) < least)
             continue;
-        narrow.ring.surface = narrow.ring.all;
         *out = narrow;
         return false;
     }
@@ -110,8 +101,6 @@ void photon_entry_estimate(const struct photon_precompute *what, size_t entry,
                            struct photon_entry_rows rows[2], struct photon_entry *out) {
     make_disc(what, entry, what->k, clearing, row, distance2, &out->disc);
     widen_disc(what, entry, &rows[0], out);
-    out->ring.surface = ring_on_surface(what, out);
     const bool aside = narrow_disc(what, entry, &rows[1], out);
-    if (aside || photon_disc_has_few_paths(&out->disc))
-        out->ring = (struct photon_rings){INFINITY, INFINITY};
+    if (aside || photon_disc_has_few_paths(&out->disc)) out->ring = INFINITY;
 }

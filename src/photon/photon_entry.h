@@ -10,19 +10,13 @@ struct photon_entry_rows {
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
 };
-// The width of an estimate, by photons that are not those of its disc but around it: the radius of
-// a disc with as many of them, of all surfaces or of that of the entry. INFINITY: it is not
-// reliable.
-struct photon_rings {
-    float all, surface;
-};
 // The estimate of an entry.
 struct photon_entry {
     struct photon_disc disc;
-    struct photon_rings ring;
+    float ring;  // radius of a disc with as many photons around it; INFINITY: it is not reliable
 };
 // Makes it (photon_entry.c), given the k nearest photons, the clearing around the entry or NULL,
-// and out->ring.all of these photons. It is valid as long as row, distance2 and rows are.
+// and out->ring of these photons. It is valid as long as row, distance2 and rows are.
 void photon_entry_estimate(const struct photon_precompute *what, size_t entry,
                            const struct photon_clearing *clearing, int *row, float *distance2,
                            struct photon_entry_rows rows[2], struct photon_entry *out);

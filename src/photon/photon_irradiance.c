@@ -44,8 +44,7 @@ static void precompute_one(struct precompute_loop *loop, size_t entry,
                            const struct photon_clearing *clearing, int *row, float *distance2) {
     const struct photon_precompute *what = loop->what;
     struct photon_entry_rows rows[2];
-    struct photon_entry at;
-    at.ring.all = loop->out->ring ? loop->out->ring[entry].all : INFINITY;
+    struct photon_entry at = {.ring = loop->out->ring ? loop->out->ring[entry] : INFINITY};
     photon_entry_estimate(what, entry, clearing, row, distance2, rows, &at);
     loop->out->E[entry] = photon_disc_irradiance(&at.disc);
     if (loop->out->last) loop->out->last[entry] = photon_disc_last(&at.disc);
@@ -97,8 +96,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
         photon_index_nearest(what->map->index, query, n, (int)k, photon_map_far2(what->map), row,
                              distance2);
         for (size_t i = 0; loop->out->ring && i < n; i++)
-            loop->out->ring[at + i].all =
-                photon_ring_radius(row + i * k, distance2 + i * k, what->k);
+            loop->out->ring[at + i] = photon_ring_radius(row + i * k, distance2 + i * k, what->k);
         struct photon_clearing clearing =
             photon_entry_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
@@ -258,7 +256,7 @@ void photon_irradiance_free(struct photon_irradiance *irradiance) {
 
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
     return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 2 * sizeof(float)) +
-           (irradiance->ring ? irradiance->count * sizeof *irradiance->ring : 0) +
+           (irradiance->ring ? irradiance->count * sizeof(float) : 0) +
            (irradiance->last ? irradiance->count * sizeof(rgb) : 0) +
            (irradiance->bounces ? irradiance->count : 0) + photon_index_bytes(irradiance->index) +
            photon_voxels_bytes(&irradiance->voxels);

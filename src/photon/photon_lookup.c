@@ -2,7 +2,7 @@
 // Lookups of precomputed irradiance: which entry a point reads, and what of its light. An entry
 // that faces away from the point or is hidden from it by a wall is replaced by another one near it,
 // and light fades where no entry is as near as photons lie.
-#include "photon/photon_entry.h"
+#include "photon/photon_map.h"
 
 enum {
     IRRADIANCE_BATCH = PHOTON_VOXEL_LOOKUPS,  // lookups that are searched together
@@ -169,9 +169,8 @@ static bool is_reached(const struct photon_irradiance *r, int row, vec3 p, float
 
 // The width of what a lookup at p reads.
 static float width_at(const struct photon_irradiance *r, int row, vec3 p, bool strict) {
-    if (row < 0) return INFINITY;
-    if (!strict) return r->ring[row].all;
-    return is_reached(r, row, p, REACHED) ? r->ring[row].surface : INFINITY;
+    if (row < 0 || (strict && !is_reached(r, row, p, REACHED))) return INFINITY;
+    return r->ring[row];
 }
 
 // The fraction of an entry's light, by colour, whose photons may bounce once more for each of the

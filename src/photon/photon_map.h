@@ -396,7 +396,8 @@ struct photon_irradiance {
     uint8_t *bounces;  // by entry of light that ends: the largest number of bounces of a photon of
                        // its estimate; NULL: not limited
     float *radius;     // by entry: radius of its estimate; INFINITY: the map has too few photons
-    struct photon_rings *ring;  // by entry (photon_entry.h); NULL for light that ends
+    float *ring;       // by entry: photon_ring_radius; INFINITY: its photons are of few light
+                       // paths; NULL for light that ends
     float fade2;       // squared distance from which on an entry fades, over its squared radius
     bool ends;         // whether its light is 0 from three times that distance on
     float far2;        // squared distance of rows beyond which no entry is used
