@@ -3,7 +3,8 @@
 // than flat walls. The error of a pixel is estimated from two halves of its samples, and averaged
 // over a few neighbours, because two halves may agree by chance. Samples depend on earlier ones
 // only through this estimate over an area. That makes light of rare samples darker in the mean, as
-// a pixel that has met one gets more samples (docs/experiments/direct-light.md).
+// a pixel that has met one gets more samples (docs/experiments/direct-light.md). Emission, where it
+// is worst, is not made of these samples (render_rims.c).
 //
 // With low-discrepancy points the variance of a mean of n samples falls as n^-GAIN, with GAIN
 // between 1 and 2: that of a pixel with an edge as n^-1.5. The sum of v_i n_i^-GAIN for a given sum

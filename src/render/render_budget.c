@@ -91,10 +91,11 @@ enum {
 // The samples of a pixel that a core second per pixel allows, with all that is before the image:
 // those that quality preview had. Their number is not known when it is first needed.
 static const double CORE_SECOND_SAMPLES = 16.0 / 1.3e-4;
-// The number of rays at rims per pixel of the whole image. Where one pixel in twelve is at a rim,
-// as in a room with many windows, 16 leave .0007 of emission's relMSE instead of .0020 with 2, for
-// 2 % of 12 CPU seconds at 320x180. The time of drafts of the data scenes, which have few such
-// pixels, changes by less than the difference between runs.
+// The number of rays at rims per pixel of the whole image, if it is more than twice that of the
+// rays of each. Where one pixel in twelve is at a rim, as in a room with many windows, 16 leave
+// .0007 of emission's relMSE instead of .0020 with 2, for 2 % of 12 CPU seconds at 320x180. The
+// time of drafts of the data scenes, which have few such pixels, changes by less than the
+// difference between runs.
 static const double RIM_RAYS_MEAN = 16.0;
 // That after a time limit, which they exceed. With 16, in a room with many windows at 640x360, a
 // limit of 12 CPU seconds ended after 13.5.
@@ -357,12 +358,12 @@ float render_budget_sample_cost(const struct shade_counts *c) {
     return c->samples ? (float)(work / (double)c->samples) : 1.0f;
 }
 
-uint32_t render_budget_rim_rays(const satin_options *o, double core_seconds, size_t pixels,
-                                size_t at_rims, bool late) {
+uint32_t render_budget_rim_rays(const satin_options *o, double core_seconds, double fraction,
+                                uint32_t first, bool late) {
     const double wanted = o->time > 0.0 ? RIM_RAYS_CORE_SECOND * core_seconds
                                         : (double)(RIM_RAYS_SAMPLE * (uint64_t)o->spp);
-    const double mean = late ? RIM_RAYS_MEAN_LATE : RIM_RAYS_MEAN;
-    const double most = mean * (double)pixels / (double)at_rims;
+    const double mean = late ? RIM_RAYS_MEAN_LATE : fmax(RIM_RAYS_MEAN, 2.0 * first);
+    const double most = mean / fraction;
     uint32_t rays = RIM_RAYS_MOST;
     while (rays > RIM_RAYS_LEAST && rays > wanted) rays /= 2;
     while (rays > most) rays /= 2;

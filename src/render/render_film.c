@@ -36,21 +36,19 @@ static float fraction_covered(const struct image_pixel *pixel, float weight) {
     return pixel->weight != 0.0f ? fminf(fmaxf(weight / pixel->weight, 0.0f), 1.0f) : 0.0f;
 }
 
-// The mean of the samples and, at rims, of the additional rays.
+// The mean of what is for emission alone, as soon as it is there.
 static rgb mean_emission(const struct image_pixel *pixel) {
-    const rgb sum = rgb_add(pixel->layer[SHADE_EMISSION], pixel->rim);
-    const float weight = pixel->weight + pixel->rim_weight;
-    if (!(pixel->rim_weight > 0.0f) || !(weight > 0.0f))
+    if (!(pixel->emission.weight > 0.0f))
         return rgb_scale(pixel->layer[SHADE_EMISSION], render_image_scale(pixel));
-    return rgb_scale(sum, 1.0f / weight);
+    return rgb_scale(pixel->emission.sum, 1.0f / pixel->emission.weight);
 }
 
 static void put_pixel(const struct channel_planes *planes, size_t at,
                       const struct image_pixel *pixel, const struct render_image *image) {
     const float scale = render_image_scale(pixel);
-    const struct image_pixel *own = &image->pixel[at];  // may have rims without samples
+    const struct image_pixel *own = &image->pixel[at];  // may have emission without samples
     const rgb *seen = &pixel->layer[SHADE_EMISSION];
-    const rgb emission = mean_emission(own->rim_weight > 0.0f ? own : pixel);
+    const rgb emission = mean_emission(own->emission.weight > 0.0f ? own : pixel);
     const rgb beauty = rgb_add(rgb_scale(rgb_sub(pixel->beauty, *seen), scale), emission);
     rgb shown = beauty;
     if (image->denoised)

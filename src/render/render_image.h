@@ -9,6 +9,14 @@
 #include "render/render_cryptomatte.h"
 #include "render/render_state.h"
 
+// What the emission layer of a pixel is made of: some of its samples, and additional eye rays for
+// emitted light alone (render_rims.c).
+struct image_emission {
+    rgb sum;       // weighted
+    float weight;  // 0: there are none so far
+    uint32_t samples, rays;
+};
+
 // The weighted sums of a pixel's samples.
 struct image_pixel {
     rgb beauty;
@@ -17,9 +25,17 @@ struct image_pixel {
     struct cache_used used;
     float weight;  // in the film's filter
     uint32_t samples, dropped;
-    rgb rim;  // weighted emission of additional eye rays (render_rims.c)
-    float rim_weight;
+    struct image_emission emission;
 };
+
+// The weight by which one more sample counts in a pixel that has `count` of them, of the summed
+// weight `sum`. The mean weight is 1. A few samples of a filter with negative lobes may have almost
+// no weight together, or less than none; a sample that would leave less than half of one per sample
+// counts as one outside of the lobes. The mean over a surface of equal light is then exact for any
+// number of samples, and edges become sharp as the number grows.
+static inline float render_usable_weight(float sum, uint32_t count, float weight) {
+    return weight < 0.0f && sum + weight < 0.5f * (float)(count + 1) ? -weight : weight;
+}
 
 // Sums over the samples of a pixel that gather because no record is near.
 struct image_gathered {
@@ -91,7 +107,7 @@ struct render_image {
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored
-    uint32_t rim_rays;            // of each pixel at a rim; 0: none was found so far
+    uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     int coarsest;                 // pixels between the first samples, a power of two
     struct satin_film *film;      // the film that is made from the image
     // For each tile, who uses its pixels at the moment; NULL: there are no snapshots, for which
@@ -186,9 +202,9 @@ void render_image_pack(const struct render_image *image, struct bytes *out);
 // False if the bytes are not the state of such an image.
 bool render_image_unpack(struct render_image *image, const struct bytes *in);
 
-// Takes additional eye rays for emitted light where it varies between pixels, once per pixel, after
-// the samples that are distributed equally; `late`: after a time limit. *whole is false if it was
-// stopped early.
+// Takes additional eye rays for emitted light after a pass, a few in each pixel and many where it
+// varies. To be called when all samples that are distributed equally are taken; `late`: after a
+// time limit that was over before. *whole is false if it was stopped early.
 satin_status render_rims(struct render *r, bool late, bool *whole);
 // Whether the render takes such rays. Integrator `path` is for comparison, and takes nothing but
 // its samples.

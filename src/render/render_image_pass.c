@@ -9,9 +9,6 @@
 
 enum { ASK_SAMPLES = 32 };  // samples after which a worker checks for cancellation
 
-// The least weight of a pixel per sample; the mean is 1.
-#define WEIGHT_LEAST 0.5f
-
 struct image_worker {
     struct shade_worker shade;
     struct bytes before;  // state of the tile before its samples, if there is a checkpoint
@@ -45,21 +42,10 @@ bool render_pass_make(struct image_pass *pass, struct render *r) {
 
 // ---- Samples ------------------------------------------------------------------------------------
 
-// The light by which the noise of a sample is measured. Lights seen directly are limited to white,
-// so that their rims do not take most samples.
+// The light by which the noise of a sample is measured. Lights seen directly have rays of their own
+// (render_rims.c).
 static rgb shown_light(const struct shade_sample *s) {
-    rgb e = s->layer[SHADE_EMISSION];
-    rgb shown = rgb_make(fminf(e.r, 1.0f), fminf(e.g, 1.0f), fminf(e.b, 1.0f));
-    return rgb_add(rgb_sub(s->beauty, e), shown);
-}
-
-// The weight by which a sample counts in a pixel. A few samples of a filter with negative lobes may
-// have almost no weight together, or less than none; a sample that would leave so little counts as
-// one outside of the lobes. The mean over a surface of equal light is then exact for any number of
-// samples, and edges become sharp as the number grows.
-static float usable_weight(const struct image_pixel *pixel, float weight) {
-    const float least = WEIGHT_LEAST * (float)(pixel->samples + 1);
-    return weight < 0.0f && pixel->weight + weight < least ? -weight : weight;
+    return rgb_sub(s->beauty, s->layer[SHADE_EMISSION]);
 }
 
 // False if the sample was not finite and was dropped.
@@ -113,7 +99,8 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
         shade_pixel(&pass->r->second_pass.shade, &worker->shade, x, y, adapt->count, samples,
                     &sample);
         if (parallel_stopped(pool)) return false;  // it may be incomplete
-        sample.weight = usable_weight(&image->pixel[at], sample.weight);
+        sample.weight =
+            render_usable_weight(image->pixel[at].weight, image->pixel[at].samples, sample.weight);
         bool finite = add_sample(&image->pixel[at], &sample);
         if (finite && image->aov) add_aovs(image, at, &sample);
         if (finite) render_cryptomatte_add(&image->cryptomatte, at, &sample);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rims of lights that are seen. A lamp is tens of times as bright as the wall around it, so a few
-// samples more or less that hit it make the pixels along its edge look jagged. An eye ray for
-// emitted light alone costs a small fraction of a sample: pixels near which emission varies get
-// many of them, once, and the emission layer is the mean of all. Lights that are so small that the
-// first samples miss them are found after later samples. Where a time limit leaves no sample to a
-// pixel, it does not take the emission of its neighbour.
+// Light that is seen directly. A lamp is tens of times as bright as the wall around it, so a few
+// samples more or less that hit it make the pixels along its edge look jagged; and as adaptive
+// sampling gives more samples to pixels that have met a lamp, their means are too dark where it is
+// small. An eye ray for emitted light alone costs a small fraction of a sample. So the emission
+// layer is the mean of the samples that are distributed equally, and of additional rays: a few in
+// each pixel, whose number grows with that of the samples, and many where emission varies. Where
+// few rays find a small lamp by chance alone, the pixels that have found it stand for those that
+// have not, and get no more.
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,68 +14,133 @@
 #include "render/render_image.h"
 
 enum {
-    RIMS_CHUNK = 64,  // pixels per chunk of rays
-    CHUNK_ROWS = 8    // rows per chunk of the search
+    FIRST_CHUNK = 256,         // pixels per chunk of the rays of all pixels
+    RIMS_CHUNK = 64,           // pixels per chunk of those at rims
+    CHUNK_ROWS = 8,            // rows per chunk of the search
+    CHANCE_FRACTION = 4,       // for this number of rays at rims, one more decides about them
+    CHANCE_BEGIN = 0x40000000  // index of the first of those
 };
 
 // Emission that varies by less than this fraction, such as that of a sky, is smooth.
 static const float SMOOTH = 0.1f;
+// The number of rays and samples around a pixel that must be expected to find what its rays at a
+// rim would find. The chance that none does is then below e^-3, and so is the fraction of the
+// emission that is lost.
+static const float HITS_LEAST = 3.0f;
+
+// The weighted emission of a pixel's rays at a rim, and their weight.
+struct rim {
+    rgb sum;
+    float weight;
+};
 
 struct rims {
     struct render *r;
-    float *emission;  // luminance of each pixel's samples
+    uint32_t first;   // number of rays in pixels that are at no rim
+    uint32_t most;    // number of rays at rims
+    int radius;       // of the film's filter, in pixels
+    float *emission;  // luminance of each pixel's mean
+    float *hits;      // of each pixel: how many samples and rays are expected to find emission
     uint32_t *pixel;  // y * width + x
     uint32_t *found;  // number of such pixels in each row
     size_t count;
+    struct rim *rim;  // of those pixels
+    size_t added;     // number of them that have got rays at rims
 };
+
+static rgb trace_ray(const struct rims *rims, uint32_t pixel, uint32_t index, float *weight) {
+    const uint32_t width = (uint32_t)rims->r->image->width;
+    return shade_emission(&rims->r->second_pass.shade, (int)(pixel % width), (int)(pixel / width),
+                          index, weight);
+}
+
+// ---- The rays of all pixels ---------------------------------------------------------------------
+
+static void trace_first(void *ctx, size_t begin, size_t end, int worker) {
+    const struct rims *rims = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct image_pixel *p = &rims->r->image->pixel[i];
+        struct image_emission *e = &p->emission;
+        if (e->weight == 0.0f)
+            *e = (struct image_emission){p->layer[SHADE_EMISSION], p->weight, p->samples, 0};
+        for (; e->rays < rims->first; e->rays++) {
+            float weight;
+            const rgb Le = trace_ray(rims, (uint32_t)i, e->rays, &weight);
+            if (!rgb_finite(Le)) continue;
+            weight = render_usable_weight(e->weight, e->samples + e->rays, weight);
+            e->sum = rgb_mad(e->sum, Le, weight);
+            e->weight += weight;
+        }
+    }
+}
+
+static void pack_first(void *ctx, size_t begin, size_t end, struct bytes *out) {
+    const struct rims *rims = ctx;
+    for (size_t i = begin; i < end; i++) {
+        const struct image_pixel *p = &rims->r->image->pixel[i];
+        bytes_put(out, &p->emission, sizeof p->emission);
+    }
+}
+
+static bool unpack_first(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
+    const struct rims *rims = ctx;
+    for (size_t i = begin; i < end; i++) {
+        struct image_pixel *p = &rims->r->image->pixel[i];
+        bytes_get(in, &p->emission, sizeof p->emission);
+    }
+    return true;
+}
+
+static const struct parallel_results first_results = {
+    .pack = pack_first, .unpack = unpack_first, .if_cancelled = true};
+
+// ---- The pixels at rims -------------------------------------------------------------------------
 
 static void read_emission(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const struct image_pixel *p = &rims->r->image->pixel[i];
-        rims->emission[i] =
-            p->samples ? rgb_luminance(p->layer[SHADE_EMISSION]) / (float)p->samples : 0.0f;
+        const struct image_emission *e = &rims->r->image->pixel[i].emission;
+        rims->emission[i] = e->weight > 0.0f ? rgb_luminance(e->sum) / e->weight : 0.0f;
+        rims->hits[i] = rims->emission[i] > 0.0f ? (float)(e->samples + e->rays) : 0.0f;
     }
 }
 
-// Whether emission varies between the pixel and those up to `radius` away, that is within the
-// filter: the few samples of its tail may all miss a lamp that the pixel sees, or hit it by chance.
-static bool on_rim(const struct rims *rims, int x, int y, int radius) {
+// The box of pixels up to the filter's radius away: the few rays in its tail may all miss a lamp
+// that the pixel sees, or hit it by chance.
+static struct image_box pixels_around(const struct rims *rims, size_t pixel) {
     const struct render_image *image = rims->r->image;
-    const int left = x > radius ? x - radius : 0, top = y > radius ? y - radius : 0;
+    const int x = (int)(pixel % (size_t)image->width), y = (int)(pixel / (size_t)image->width);
+    const int right = x + rims->radius + 1, bottom = y + rims->radius + 1;
+    return (struct image_box){.x0 = x > rims->radius ? x - rims->radius : 0,
+                              .y0 = y > rims->radius ? y - rims->radius : 0,
+                              .x1 = right < image->width ? right : image->width,
+                              .y1 = bottom < image->height ? bottom : image->height};
+}
+
+// Whether emission varies around the pixel.
+static bool on_rim(const struct rims *rims, size_t pixel) {
+    const struct image_box box = pixels_around(rims, pixel);
     float least = INFINITY, most = 0.0f;
-    for (int v = top; v <= y + radius && v < image->height; v++) {
-        const float *row = rims->emission + (size_t)v * (size_t)image->width;
-        for (int u = left; u <= x + radius && u < image->width; u++) {
-            least = row[u] < least ? row[u] : least;
-            most = row[u] > most ? row[u] : most;
+    for (int y = box.y0; y < box.y1; y++) {
+        const float *row = rims->emission + (size_t)y * (size_t)rims->r->image->width;
+        for (int x = box.x0; x < box.x1; x++) {
+            least = row[x] < least ? row[x] : least;
+            most = row[x] > most ? row[x] : most;
         }
     }
     return most - least > SMOOTH * most;
 }
 
-// Whether the pixel has no sample and would take the emission of another one.
-static bool copies_emission(const struct render_image *image, int x, int y) {
-    const struct image_pixel *p = &image->pixel[(size_t)y * (size_t)image->width + (size_t)x];
-    if (p->samples || p->dropped) return false;
-    const struct image_pixel *source = render_image_source(image, x, y);
-    return source && rgb_max(source->layer[SHADE_EMISSION]) > 0.0f;
-}
-
 // Stores the pixels of each row from the index on at which the row begins.
 static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
-    const struct render_image *image = rims->r->image;
-    const size_t width = (size_t)image->width;
-    const int radius = (int)ceilf(rims->r->second_pass.shade.filter.film->radius);
+    const size_t width = (size_t)rims->r->image->width;
     (void)worker;
     for (size_t y = begin; y < end; y++)
         for (size_t at = y * width; at < (y + 1) * width; at++)
-            if (!(image->pixel[at].rim_weight > 0.0f) &&
-                (on_rim(rims, (int)(at - y * width), (int)y, radius) ||
-                 copies_emission(image, (int)(at - y * width), (int)y)))
-                rims->pixel[y * width + rims->found[y]++] = (uint32_t)at;
+            if (on_rim(rims, at)) rims->pixel[y * width + rims->found[y]++] = (uint32_t)at;
 }
 
 static void find_rims(struct rims *rims) {
@@ -88,73 +155,147 @@ static void find_rims(struct rims *rims) {
     }
 }
 
+// ---- Their rays ---------------------------------------------------------------------------------
+
+// The chance that a ray finds what gives a pixel its mean: about mean^2 / mean of squares, which is
+// the fraction of the pixel that a lamp covers where all else is black, and 1 where all is equal.
+// By rays that count for nothing else: if those of the mean decided whether they are added, the
+// brightest would be.
+static float chance_of_rays(const struct rims *rims, uint32_t pixel) {
+    const uint32_t rays = rims->most / CHANCE_FRACTION;
+    float sum = 0.0f, squares = 0.0f;
+    for (uint32_t k = 0; k < rays; k++) {
+        float weight;
+        const rgb Le = trace_ray(rims, pixel, CHANCE_BEGIN + k, &weight);
+        if (!rgb_finite(Le)) continue;
+        sum += rgb_luminance(Le);
+        squares += sqrf(rgb_luminance(Le));
+    }
+    return squares > 0.0f ? sqrf(sum) / ((float)rays * squares) : 0.0f;
+}
+
 static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
-    struct render_image *image = rims->r->image;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const int x = (int)(rims->pixel[i] % (uint32_t)image->width);
-        const int y = (int)(rims->pixel[i] / (uint32_t)image->width);
-        struct image_pixel *p = &image->pixel[rims->pixel[i]];
-        for (uint32_t k = 0; k < image->rim_rays; k++) {
+        const uint32_t pixel = rims->pixel[i];
+        const struct image_emission *e = &rims->r->image->pixel[pixel].emission;
+        struct rim *rim = &rims->rim[i];
+        for (uint32_t k = e->rays; k < rims->most; k++) {
             float weight;
-            const rgb Le = shade_emission(&rims->r->second_pass.shade, x, y, k, &weight);
+            const rgb Le = trace_ray(rims, pixel, k, &weight);
             if (!rgb_finite(Le)) continue;
-            p->rim = rgb_mad(p->rim, Le, weight);
-            p->rim_weight += weight;
+            rim->sum = rgb_mad(rim->sum, Le, weight);
+            rim->weight += weight;
         }
+        rims->hits[pixel] = e->rays > rims->first
+                                ? HITS_LEAST
+                                : chance_of_rays(rims, pixel) * (float)(e->samples + e->rays);
     }
 }
 
 static void pack_rims(void *ctx, size_t begin, size_t end, struct bytes *out) {
     const struct rims *rims = ctx;
-    for (size_t i = begin; i < end; i++) {
-        const struct image_pixel *p = &rims->r->image->pixel[rims->pixel[i]];
-        bytes_put(out, &p->rim, sizeof p->rim);
-        bytes_put(out, &p->rim_weight, sizeof p->rim_weight);
-    }
+    bytes_put(out, rims->rim + begin, (end - begin) * sizeof *rims->rim);
+    for (size_t i = begin; i < end; i++)
+        bytes_put(out, &rims->hits[rims->pixel[i]], sizeof *rims->hits);
 }
 
 static bool unpack_rims(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
     const struct rims *rims = ctx;
-    for (size_t i = begin; i < end; i++) {
-        struct image_pixel *p = &rims->r->image->pixel[rims->pixel[i]];
-        bytes_get(in, &p->rim, sizeof p->rim);
-        bytes_get(in, &p->rim_weight, sizeof p->rim_weight);
-    }
+    bytes_get(in, rims->rim + begin, (end - begin) * sizeof *rims->rim);
+    for (size_t i = begin; i < end; i++)
+        bytes_get(in, &rims->hits[rims->pixel[i]], sizeof *rims->hits);
     return true;
 }
 
 static const struct parallel_results rims_results = {
     .pack = pack_rims, .unpack = unpack_rims, .if_cancelled = true};
 
+static bool found_by_chance(const struct rims *rims, size_t pixel) {
+    const struct image_box box = pixels_around(rims, pixel);
+    float hits = 0.0f;
+    for (int y = box.y0; y < box.y1; y++)
+        for (int x = box.x0; x < box.x1; x++)
+            hits += rims->hits[(size_t)y * (size_t)rims->r->image->width + (size_t)x];
+    return hits < HITS_LEAST;
+}
+
+static void add_rims(struct rims *rims) {
+    for (size_t i = 0; i < rims->count; i++) {
+        struct image_emission *e = &rims->r->image->pixel[rims->pixel[i]].emission;
+        if (found_by_chance(rims, rims->pixel[i])) continue;
+        e->sum = rgb_add(e->sum, rims->rim[i].sum);
+        e->weight += rims->rim[i].weight;
+        if (e->rays <= rims->first) rims->added++;
+        if (e->rays < rims->most) e->rays = rims->most;
+    }
+}
+
+// Takes the rays of the pixels at rims. False if it was stopped early, or if there is no memory,
+// which *status says.
+static bool sample_rims(struct rims *rims, bool late, satin_status *status) {
+    struct render *r = rims->r;
+    const double pixels = (double)r->image->width * (double)r->image->height;
+    if (rims->count == 0) return true;
+    rims->most = render_budget_rim_rays(&r->options, render_core_seconds(r),
+                                        (double)rims->count / pixels, rims->first, late);
+    rims->rim = array_new(rims->count, sizeof *rims->rim);
+    if (!rims->rim) *status = SATIN_ERROR_MEMORY;
+    if (!rims->rim ||
+        !parallel_for_results(r->pool, rims->count, RIMS_CHUNK, trace_rims, rims, &rims_results))
+        return false;
+    add_rims(rims);
+    return true;
+}
+
+static bool sample_emission(struct rims *rims, bool late, satin_status *status) {
+    struct render_image *image = rims->r->image;
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    if (!parallel_for_results(rims->r->pool, pixels, FIRST_CHUNK, trace_first, rims,
+                              &first_results))
+        return false;
+    find_rims(rims);
+    if (!sample_rims(rims, late, status)) return false;
+    image->rims_taken = image->taken;
+    return true;
+}
+
 bool render_has_rims(const struct render *r) {
     return r->progress.replaced || !gather_traces_paths(&r->options);
 }
 
+// Up to twice as many as the samples that are not distributed equally, which do not count. A power
+// of two, so that they are distributed well.
+static uint32_t first_rays(const struct render *r) {
+    const struct render_image *image = r->image;
+    const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
+    const uint64_t others = image->taken / pixels - render_budget_equal_samples(&r->options);
+    uint32_t rays = 1;
+    while (rays <= others) rays *= 2;
+    return rays;
+}
+
 satin_status render_rims(struct render *r, bool late, bool *whole) {
-    struct rims rims = {.r = r};
-    struct render_image *image = r->image;
-    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    const struct render_image *image = r->image;
+    const size_t width = (size_t)image->width, height = (size_t)image->height;
+    struct rims rims = {.r = r, .first = late ? 1 : first_rays(r)};
+    rims.radius = (int)ceilf(r->second_pass.shade.filter.film->radius);
+    rims.emission = array_new_unset(width * height, sizeof *rims.emission);
+    rims.hits = array_new_unset(width * height, sizeof *rims.hits);
+    rims.pixel = array_new_unset(width * height, sizeof *rims.pixel);
+    rims.found = array_new(height, sizeof *rims.found);
+    satin_status status = SATIN_OK;
     parallel_begin_part(r->pool, "rims");
-    rims.emission = array_new_unset(pixels, sizeof *rims.emission);
-    rims.pixel = array_new_unset(pixels, sizeof *rims.pixel);
-    rims.found = array_new((size_t)image->height, sizeof *rims.found);
-    if (!rims.emission || !rims.pixel || !rims.found) {
-        free(rims.emission);
-        free(rims.pixel);
-        free(rims.found);
-        return SATIN_ERROR_MEMORY;
-    }
-    find_rims(&rims);
-    if (image->rim_rays == 0 && rims.count > 0)
-        image->rim_rays =
-            render_budget_rim_rays(&r->options, render_core_seconds(r), pixels, rims.count, late);
-    *whole =
-        parallel_for_results(r->pool, rims.count, RIMS_CHUNK, trace_rims, &rims, &rims_results);
-    stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
+    if (rims.emission && rims.hits && rims.pixel && rims.found)
+        *whole = sample_emission(&rims, late, &status);
+    else
+        status = SATIN_ERROR_MEMORY;
+    stats_add(&r->stats, "image.rim_pixels", (double)rims.added);
     free(rims.emission);
+    free(rims.hits);
     free(rims.pixel);
     free(rims.found);
-    return SATIN_OK;
+    free(rims.rim);
+    return status;
 }

@@ -125,8 +125,12 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 }
 
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight) {
+    const struct sampler begin = shade_eye_sampler(shade->g, x, y, index, RNG_RIM);
+    struct sampler sampler = begin;
+    rgb Le;
+    if (shade_eye_emission(shade, x, y, &sampler, &Le, weight)) return Le;
     struct shade_eye eye;
-    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_RIM);
+    sampler = begin;
     shade_eye_trace(shade, x, y, &sampler, &eye);
     *weight = eye.camera.weight;
     return eye.emission;

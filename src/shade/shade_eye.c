@@ -44,10 +44,10 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
 }
 
 static void add_emission(const struct shade *shade, const struct eye_path *path,
-                         const struct interaction *s, struct shade_eye *out) {
+                         const struct interaction *s, rgb *sum) {
     const satin_options *o = shade->g->options;
     if (o->max_depth == 0 || (path->depth == 0 && o->hide_emitters > 0)) return;
-    out->emission = rgb_fma(out->emission, path->T, light_at_hit(shade->g->scene, s, path->ray.d));
+    *sum = rgb_fma(*sum, path->T, light_at_hit(shade->g->scene, s, path->ray.d));
 }
 
 // Pushes the rays that leave an ideal specular surface. Returns the new height of the stack.
@@ -110,7 +110,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         struct eye_path path = stack[--top];
         struct interaction s;
         bool hit = scene_intersect(scene, &path.ray, &s);
-        add_emission(shade, &path, hit ? &s : NULL, out);
+        add_emission(shade, &path, hit ? &s : NULL, &out->emission);
         if (!hit) continue;
         s.footprint = shade->sharpness * spread * (path.distance + s.t);
         struct scene_component component[MATERIAL_COMPONENTS_MAX];
@@ -134,6 +134,21 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
                 top = push_specular(shade, &own, &point, sampler, stack, top);
         }
     }
+}
+
+bool shade_eye_emission(const struct shade *shade, int x, int y, struct sampler *sampler, rgb *Le,
+                        float *weight) {
+    const struct satin_scene *scene = shade->g->scene;
+    struct shade_camera_sample camera;
+    const struct ray ray = shade_eye_ray(shade, x, y, sampler, &camera);
+    struct interaction s;
+    const bool hit = scene_intersect(scene, &ray, &s);
+    if (hit && scene_shape_has_delta(scene, s.shape)) return false;
+    const struct eye_path path = {.ray = ray, .T = rgb_grey(1.0f)};
+    *Le = rgb_grey(0.0f);
+    add_emission(shade, &path, hit ? &s : NULL, Le);
+    *weight = camera.weight;
+    return true;
 }
 
 const struct shade_vertex *shade_eye_choose(const struct shade_eye *eye, float u,

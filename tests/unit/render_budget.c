@@ -408,15 +408,18 @@ static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
         o.spp = row[i].spp;
         o.time = row[i].core_seconds > 0.0 ? 1.0 : 0.0;
         for (size_t rims = 1; rims <= pixels; rims *= 2) {
+            const double fraction = (double)rims / (double)pixels;
             const uint32_t rays =
-                render_budget_rim_rays(&o, row[i].core_seconds, pixels, rims, false);
+                render_budget_rim_rays(&o, row[i].core_seconds, fraction, 4, false);
             assert_true(rays > 0 && (rays & (rays - 1)) == 0);
             assert_true(rays * rims <= 16 * pixels);
             assert_true(rays == row[i].most || 2 * rays * rims > 16 * pixels);
             const uint32_t late =
-                render_budget_rim_rays(&o, row[i].core_seconds, pixels, rims, true);
+                render_budget_rim_rays(&o, row[i].core_seconds, fraction, 1, true);
             assert_true(late > 0 && late <= rays && late * rims <= 2 * pixels);
         }
+        // Where all pixels have many rays, those at rims have at least as many.
+        assert_true(render_budget_rim_rays(&o, row[i].core_seconds, 1.0, 32, false) == 64);
     }
 }
 

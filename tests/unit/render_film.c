@@ -142,17 +142,16 @@ static void an_opaque_pixel_is_opaque_whatever_its_weight(void **state) {
     }
 }
 
-static void rays_at_rims_count_for_emission_alone(void **state) {
+static void emission_is_the_mean_of_what_is_for_it_alone(void **state) {
     (void)state;
     struct render r = render_film_make(SATIN_TWO_PASS);
     struct image_pixel *p = pixel_at(&r, 0, 0);
     fill_pixel(p, 2.0f);
     p->layer[SHADE_EMISSION] = rgb_grey(1.5f * 10.0f);
     p->beauty = rgb_grey(1.5f * 12.0f);
-    p->rim = rgb_grey(8.5f * 4.0f);
-    p->rim_weight = 8.5f;
+    p->emission = (struct image_emission){.sum = rgb_grey(8.5f * 4.0f), .weight = 8.5f};
     render_film_make_film(&r, true);
-    const float emission = (15.0f + 34.0f) / 10.0f;
+    const float emission = 4.0f;
     assert_float_equal(render_film_value_at(&r, "emission.R", 0, 0), emission, 1e-5f);
     assert_float_equal(render_film_value_at(&r, "direct.R", 0, 0), 2.0f, 1e-5f);
     assert_float_equal(render_film_value_at(&r, "R", 0, 0), 2.0f + emission, 1e-5f);
@@ -188,15 +187,14 @@ static void pixels_without_samples_show_a_neighbour(void **state) {
 }
 
 // A pixel without samples has its own emission where eye rays have looked for it.
-static void pixels_without_samples_have_rims(void **state) {
+static void pixels_without_samples_have_emission(void **state) {
     (void)state;
     struct render r = render_film_make(SATIN_TWO_PASS);
     struct image_pixel *lamp = pixel_at(&r, 0, 0), *wall = pixel_at(&r, 1, 0);
     fill_pixel(lamp, 2.0f);
     lamp->layer[SHADE_EMISSION] = rgb_grey(1.5f * 10.0f);
     lamp->beauty = rgb_grey(1.5f * 12.0f);
-    wall->rim = rgb_grey(4.0f * 0.5f);
-    wall->rim_weight = 4.0f;
+    wall->emission = (struct image_emission){.sum = rgb_grey(4.0f * 0.5f), .weight = 4.0f};
     render_film_make_film(&r, true);
     assert_float_equal(render_film_value_at(&r, "emission.R", 1, 0), 0.5f, 1e-6f);
     assert_float_equal(render_film_value_at(&r, "R", 1, 0), 2.5f, 1e-6f);
@@ -210,9 +208,9 @@ int main(void) {
         cmocka_unit_test(options_and_scenes_add_channels),
         cmocka_unit_test(a_pixel_is_the_mean_by_weight),
         cmocka_unit_test(an_opaque_pixel_is_opaque_whatever_its_weight),
-        cmocka_unit_test(rays_at_rims_count_for_emission_alone),
+        cmocka_unit_test(emission_is_the_mean_of_what_is_for_it_alone),
         cmocka_unit_test(pixels_without_samples_show_a_neighbour),
-        cmocka_unit_test(pixels_without_samples_have_rims),
+        cmocka_unit_test(pixels_without_samples_have_emission),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -103,8 +103,8 @@ static void a_snapshot_is_the_film_of_the_moment(void **state) {
             if ((3 * x + 5 * y) % 7)
                 snapshot_sample(snapshot_pixel(&r, x, y), 1u << (3 * x + y) % 11,
                                 (float)(x * y) + 0.1f);
-    snapshot_pixel(&r, 9, 9)->rim = rgb_grey(100.0f);
-    snapshot_pixel(&r, 9, 9)->rim_weight = 3.0f;
+    snapshot_pixel(&r, 9, 9)->emission =
+        (struct image_emission){.sum = rgb_grey(100.0f), .weight = 3.0f};
     snapshot_pixel(&r, 0, 0)->dropped = 2;
     show(&r);
     assert_int_equal(shown.count, 2);
