@@ -101,8 +101,9 @@ struct photon_lookups {
     float *radius;  // likewise
     int *entry;     // that of the point's surroundings, or -1 if none is as near as the spacing of
                     // the photons; may be NULL
-    // Whether the radius is INFINITY where the entry is farther than photons lie: of light that
-    // falls off, E may be much too bright there.
+    // Whether the radius is INFINITY where the entry is farther than photons lie, or something that
+    // hangs above the surface is between: of light that falls off or ends, E may be much too
+    // bright.
     bool strict;
 };
 // Looks up photon_irradiance_at for many points.

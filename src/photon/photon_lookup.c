@@ -17,20 +17,28 @@ static bool has_orientation(const struct photon_irradiance *r, int row, vec3 n) 
     return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
 }
 
-// Makes the ray from p to position i, a little above the surface, or where there is a step between
-// them halfway up to the higher one. False if they are equal.
-static bool ray_to_position(const struct photon_positions *positions, size_t i,
-                            const struct satin_scene *scene, vec3 p, vec3 n, struct ray *out) {
-    const vec3 position = photon_entry_position(positions, i), d = v3_sub(position, p);
+// Makes the ray from p to position i, so high above the surface. False if they are equal.
+static bool ray_above(const struct photon_positions *positions, size_t i, float lift,
+                      const struct satin_scene *scene, vec3 p, vec3 n, struct ray *out) {
+    const vec3 d = v3_sub(photon_entry_position(positions, i), p);
     const float distance = v3_len(d);
     if (!(distance > 0.0f)) return false;
-    const float step = fabsf(photon_layer_step(p, n, position, photon_entry_normal(positions, i)));
-    const float lift = fminf(SCENE_LIFT * distance, step > 0.0f ? 0.5f * step : INFINITY);
     *out = scene_spawn(scene, p, n, n);
     out->o = v3_mad(out->o, lift, n);
     out->d = v3_mul(d, 1.0f / distance);
     out->tfar = distance;
     return true;
+}
+
+// Makes the ray from p to position i, a little above the surface, or where there is a step between
+// them halfway up to the higher one. False if they are equal.
+static bool ray_to_position(const struct photon_positions *positions, size_t i,
+                            const struct satin_scene *scene, vec3 p, vec3 n, struct ray *out) {
+    const vec3 position = photon_entry_position(positions, i);
+    const float step = fabsf(photon_layer_step(p, n, position, photon_entry_normal(positions, i))),
+                lift = SCENE_LIFT * sqrtf(v3_dist2(p, position));
+    return ray_above(positions, i, fminf(lift, step > 0.0f ? 0.5f * step : INFINITY), scene, p, n,
+                     out);
 }
 
 bool photon_irradiance_visible(const struct photon_irradiance *r, const struct satin_scene *scene,
@@ -167,9 +175,24 @@ static bool is_reached(const struct photon_irradiance *r, int row, vec3 p, float
     return d2 <= far * r->fade2 * sqrf(r->radius[row]);
 }
 
-// The width of what a lookup at p reads.
-static float width_at(const struct photon_irradiance *r, int row, vec3 p, bool strict) {
-    if (row < 0 || (strict && !is_reached(r, row, p, REACHED))) return INFINITY;
+// Whether something that ends above the surface, such as a door above a gap, is between
+// p and the row, up to a height of their distance: light of the row's side is stopped there. A
+// floor beside a partition that ends 1 cm above it had 8 to 16 times its light
+// (docs/experiments/first-passes.md).
+static bool is_cut_off(const struct photon_irradiance *r, const struct satin_scene *scene, int row,
+                       vec3 p, vec3 n) {
+    const float distance2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
+    struct ray ray;
+    return ray_above(&r->position, (size_t)row, sqrtf(distance2), scene, p, n, &ray) &&
+           scene_occluded(scene, &ray);
+}
+
+// The width of what a lookup at p, of normal n, reads; INFINITY: nothing that may be read.
+static float width_at(const struct photon_irradiance *r, const struct satin_scene *scene, int row,
+                      vec3 p, vec3 n, bool strict) {
+    if (row < 0 || r->ring[row] == INFINITY) return INFINITY;
+    if (strict && (!is_reached(r, row, p, REACHED) || is_cut_off(r, scene, row, p, n)))
+        return INFINITY;
     return r->ring[row];
 }
 
@@ -221,7 +244,7 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
                 rgb_mul(photon_irradiance_value(r, row[i], p[j]),
                         lookups->segments ? fraction_within(r, row[i], lookups->segments[j])
                                           : rgb_grey(1.0f));
-            lookups->radius[j] = width_at(r, row[i], p[j], lookups->strict);
+            lookups->radius[j] = width_at(r, scene, row[i], p[j], n[j], lookups->strict);
             if (lookups->entry)
                 lookups->entry[j] = row[i] >= 0 && is_reached(r, row[i], p[j], 1.0f) ? row[i] : -1;
         }

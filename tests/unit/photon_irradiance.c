@@ -215,6 +215,38 @@ static void strict_lookups_end_with_the_light(void **state) {
     free_mapped(&s);
 }
 
+// A partition that ends above the floor, which is lit on one side of it. Strict lookups read
+// nothing of that side from the other, and all of it from beside the partition.
+static void strict_lookups_end_under_a_partition(void **state) {
+    (void)state;
+    enum { POINTS = 256 };
+    const vec3 up = v3(0, 0, 1);
+    const struct mat4 stand = mat4_rotate(v3(0, 1, 0), 90.0f),
+                      at = test_transform(v3(0, 0, 0.52f), v3(0.5f, 2, 0.5f));
+    struct mapped_scene s;
+    test_scene_init(&s.t);
+    const uint32_t grey = test_diffuse(&s.t, 0.5f, 0.5f, 0.5f);
+    test_rectangle(&s.t, test_transform(v3(0, 0, 0), v3(2, 2, 1)), grey);
+    test_rectangle(&s.t, mat4_mul(&at, &stand), grey);
+    test_light(&s.t,
+               (struct light){
+                   .kind = LIGHT_POINT, .position = v3(0.3f, 0, 0.9f), .value = rgb_grey(10.0f)});
+    test_scene_finish(&s.t);
+    map_scene(&s, 20000, false);
+    int lit = 0, dark = 0, faded = 0;
+    for (int i = 0; i < POINTS; i++) {
+        const vec2 u = sample_sobol2((uint32_t)i, 0);
+        const float x = 0.01f + 0.02f * u.x, y = u.y - 0.5f;
+        float radius;
+        lit += isfinite(strict_radius(&s, v3(x, y, 0), up));
+        dark += isfinite(strict_radius(&s, v3(-x, y, 0), up));
+        faded += read_irradiance(&s, v3(-x, y, 0), up, &radius).g > 0.0f && isfinite(radius);
+    }
+    print_message("%d lit, %d dark, where %d are not strict\n", lit, dark, faded);
+    assert_true(lit > 0.9 * POINTS && dark < 0.05 * POINTS && faded > POINTS / 2);
+    free_mapped(&s);
+}
+
 // A thin wall between two lamps; that of the lower side has the fraction `dark` of the light.
 static void map_thin_wall(struct mapped_scene *s, float dark) {
     test_scene_init(&s->t);
@@ -263,6 +295,7 @@ int main(void) {
                                        cmocka_unit_test(floor_does_not_read_the_ground),
                                        cmocka_unit_test(floor_over_light_is_dark),
                                        cmocka_unit_test(dark_side_of_a_thin_wall),
-                                       cmocka_unit_test(strict_lookups_end_with_the_light)};
+                                       cmocka_unit_test(strict_lookups_end_with_the_light),
+                                       cmocka_unit_test(strict_lookups_end_under_a_partition)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
