@@ -36,6 +36,7 @@ struct rim {
 
 struct rims {
     struct render *r;
+    bool late;        // the time limit is over: only pixels without samples have first rays
     uint32_t first;   // number of rays in pixels that are at no rim
     uint32_t most;    // number of rays at rims
     int radius;       // of the film's filter, in pixels
@@ -64,7 +65,8 @@ static void trace_first(void *ctx, size_t begin, size_t end, int worker) {
         struct image_emission *e = &p->emission;
         if (e->weight == 0.0f)
             *e = (struct image_emission){p->layer[SHADE_EMISSION], p->weight, p->samples, 0};
-        for (; e->rays < rims->first; e->rays++) {
+        const uint32_t rays = rims->late && p->samples ? 0 : rims->first;
+        for (; e->rays < rays; e->rays++) {
             float weight;
             const rgb Le = trace_ray(rims, (uint32_t)i, e->rays, &weight);
             if (!rgb_finite(Le)) continue;
@@ -234,12 +236,12 @@ static void add_rims(struct rims *rims) {
 
 // Takes the rays of the pixels at rims. False if it was stopped early, or if there is no memory,
 // which *status says.
-static bool sample_rims(struct rims *rims, bool late, satin_status *status) {
+static bool sample_rims(struct rims *rims, satin_status *status) {
     struct render *r = rims->r;
     const double pixels = (double)r->image->width * (double)r->image->height;
     if (rims->count == 0) return true;
     rims->most = render_budget_rim_rays(&r->options, render_core_seconds(r),
-                                        (double)rims->count / pixels, rims->first, late);
+                                        (double)rims->count / pixels, rims->first, rims->late);
     rims->rim = array_new(rims->count, sizeof *rims->rim);
     if (!rims->rim) *status = SATIN_ERROR_MEMORY;
     if (!rims->rim ||
@@ -249,14 +251,14 @@ static bool sample_rims(struct rims *rims, bool late, satin_status *status) {
     return true;
 }
 
-static bool sample_emission(struct rims *rims, bool late, satin_status *status) {
+static bool sample_emission(struct rims *rims, satin_status *status) {
     struct render_image *image = rims->r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     if (!parallel_for_results(rims->r->pool, pixels, FIRST_CHUNK, trace_first, rims,
                               &first_results))
         return false;
     find_rims(rims);
-    if (!sample_rims(rims, late, status)) return false;
+    if (!sample_rims(rims, status)) return false;
     image->rims_taken = image->taken;
     return true;
 }
@@ -279,7 +281,7 @@ static uint32_t first_rays(const struct render *r) {
 satin_status render_rims(struct render *r, bool late, bool *whole) {
     const struct render_image *image = r->image;
     const size_t width = (size_t)image->width, height = (size_t)image->height;
-    struct rims rims = {.r = r, .first = late ? 1 : first_rays(r)};
+    struct rims rims = {.r = r, .late = late, .first = late ? 1 : first_rays(r)};
     rims.radius = (int)ceilf(r->second_pass.shade.filter.film->radius);
     rims.emission = array_new_unset(width * height, sizeof *rims.emission);
     rims.hits = array_new_unset(width * height, sizeof *rims.hits);
@@ -288,7 +290,7 @@ satin_status render_rims(struct render *r, bool late, bool *whole) {
     satin_status status = SATIN_OK;
     parallel_begin_part(r->pool, "rims");
     if (rims.emission && rims.hits && rims.pixel && rims.found)
-        *whole = sample_emission(&rims, late, &status);
+        *whole = sample_emission(&rims, &status);
     else
         status = SATIN_ERROR_MEMORY;
     stats_add(&r->stats, "image.rim_pixels", (double)rims.added);
