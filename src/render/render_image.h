@@ -108,6 +108,7 @@ struct render_image {
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
+    bool rare_emission;           // whether many pixels had emission by chance then
     int coarsest;                 // pixels between the first samples, a power of two
     struct satin_film *film;      // the film that is made from the image
     // For each tile, who uses its pixels at the moment; NULL: there are no snapshots, for which

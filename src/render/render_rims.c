@@ -6,7 +6,7 @@
 // layer is the mean of the samples that are distributed equally, and of additional rays: a few in
 // each pixel, whose number grows with that of the samples, and many where emission varies. Where
 // few rays find a small lamp by chance alone, the pixels that have found it stand for those that
-// have not, and get no more.
+// have not, and get no more; if there are many of these, all pixels do.
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,11 +14,13 @@
 #include "render/render_image.h"
 
 enum {
-    FIRST_CHUNK = 256,         // pixels per chunk of the rays of all pixels
-    RIMS_CHUNK = 64,           // pixels per chunk of those at rims
-    CHUNK_ROWS = 8,            // rows per chunk of the search
-    CHANCE_FRACTION = 4,       // for this number of rays at rims, one more decides about them
-    CHANCE_BEGIN = 0x40000000  // index of the first of those
+    FIRST_CHUNK = 256,          // pixels per chunk of the rays of all pixels
+    RIMS_CHUNK = 64,            // pixels per chunk of those at rims
+    CHUNK_ROWS = 8,             // rows per chunk of the search
+    CHANCE_FRACTION = 4,        // for this number of rays at rims, one more decides about them
+    CHANCE_BEGIN = 0x40000000,  // index of the first of those
+    FIRST_RAYS_MOST = 1 << 16,  // rays of a pixel that is at no rim
+    RARE_DOUBLED = 3            // they are doubled so often where emission is rare
 };
 
 // Emission that varies by less than this fraction, such as that of a sky, is smooth.
@@ -27,6 +29,9 @@ static const float SMOOTH = 0.1f;
 // rim would find. The chance that none does is then below e^-3, and so is the fraction of the
 // emission that is lost.
 static const float HITS_LEAST = 3.0f;
+// Emission is rare if more than this fraction of the pixels have it by chance. Then the error of
+// the image is that of emission; single lamps do not double the time of all else.
+static const float RARE_FRACTION = 0.01f;
 
 // The weighted emission of a pixel's rays at a rim, and their weight.
 struct rim {
@@ -224,14 +229,21 @@ static bool found_by_chance(const struct rims *rims, size_t pixel) {
 }
 
 static void add_rims(struct rims *rims) {
+    size_t by_chance = 0;
     for (size_t i = 0; i < rims->count; i++) {
         struct image_emission *e = &rims->r->image->pixel[rims->pixel[i]].emission;
-        if (found_by_chance(rims, rims->pixel[i])) continue;
+        if (found_by_chance(rims, rims->pixel[i])) {
+            by_chance++;
+            continue;
+        }
         e->sum = rgb_add(e->sum, rims->rim[i].sum);
         e->weight += rims->rim[i].weight;
         if (e->rays <= rims->first) rims->added++;
         if (e->rays < rims->most) e->rays = rims->most;
     }
+    struct render_image *image = rims->r->image;
+    const float pixels = (float)image->width * (float)image->height;
+    if ((float)by_chance > RARE_FRACTION * pixels) image->rare_emission = true;
 }
 
 // Takes the rays of the pixels at rims. False if it was stopped early, or if there is no memory,
@@ -267,14 +279,16 @@ bool render_has_rims(const struct render *r) {
     return r->progress.replaced || !gather_traces_paths(&r->options);
 }
 
-// Up to twice as many as the samples that are not distributed equally, which do not count. A power
-// of two, so that they are distributed well.
+// Up to twice as many as the samples that are not distributed equally, which do not count, and more
+// where emission is rare. A power of two, so that they are distributed well.
 static uint32_t first_rays(const struct render *r) {
     const struct render_image *image = r->image;
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     const uint64_t others = image->taken / pixels - render_budget_equal_samples(&r->options);
     uint32_t rays = 1;
-    while (rays <= others) rays *= 2;
+    while (rays <= others && rays < FIRST_RAYS_MOST) rays *= 2;
+    for (int i = 0; image->rare_emission && i < RARE_DOUBLED && rays < FIRST_RAYS_MOST; i++)
+        rays *= 2;
     return rays;
 }
 
