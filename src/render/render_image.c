@@ -23,6 +23,7 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
         bytes += sizeof(struct image_blocks);
     if (render_irradiance_rays(options) > 0.0f) bytes += sizeof(struct image_gathered);
     if (options->denoise) bytes += 5 * sizeof(rgb);
+    if (!gather_traces_paths(options)) bytes += RENDER_RIMS_BYTES;
     if (callbacks->snapshot) bytes += 1.0 + sizeof(float) * render_film_channels(scene, options);
     return bytes * pixels;
 }

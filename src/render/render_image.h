@@ -207,6 +207,7 @@ bool render_image_unpack(struct render_image *image, const struct bytes *in);
 // varies. To be called when all samples that are distributed equally are taken; `late`: after a
 // time limit that was over before. *whole is false if it was stopped early.
 satin_status render_rims(struct render *r, bool late, bool *whole);
+enum { RENDER_RIMS_BYTES = 28 };  // its memory per pixel, at most
 // Whether the render takes such rays. Integrator `path` is for comparison, and takes nothing but
 // its samples.
 bool render_has_rims(const struct render *r);
