@@ -44,6 +44,7 @@ struct light {
     const struct texture *texture;  // area: radiance over uv; spot, projector: the slide; NULL:
                                     // none
     uint32_t shape;                 // area, beam
+    const struct light_tube *tube;  // of a round cylinder; NULL: none
     struct mat4 to_world, to_local;
     vec3 position, direction;    // spot and directional: the direction in which light travels
     float cos_cutoff, cos_beam;  // spot

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Area lights: uniform radiance, or a texture over uv, leaves the front side of a shape. Meshes of
 // few flat faces are sampled face by face (light_face.c, light_texels.c), other meshes by a
-// distribution over triangles, spheres by their cone, disks and cylinders by area. Conventions are
+// distribution over triangles, spheres by their cone, cylinders by the angles that they subtend
+// (light_cylinder.c), disks by area. Conventions are
 // Mitsuba 3's with one deviation: the geometric normal decides which side is the front, so that the
 // emitted power is pi L A.
 #include "base/sampling.h"
@@ -166,6 +167,8 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
         float middle = shape->kind == SHAPE_CYLINDER ? 0.5f : 0.0f;
         light->centre = mat4_point(&shape->to_world, v3(0.0f, 0.0f, middle));
         if (shape->kind == SHAPE_SPHERE) light->centre = shape->centre;
+        if (shape->kind == SHAPE_CYLINDER && light_tube_build(scene, light) != SATIN_OK)
+            return SATIN_ERROR_MEMORY;
     }
     const struct texture *texture = light->texture;
     rgb mean = texture ? scene_attribute_mean(&shape->mesh, texture) : light->value;
@@ -184,6 +187,7 @@ float light_area_estimate(const struct satin_scene *scene, const struct light *l
             sum += light_face_estimate(&light->face[i], p);
         return sum * light->strength / shape->area;
     }
+    if (light->tube) return light->strength * light_tube_closeness(light->tube, p);
     return light->strength / (v3_dist2(p, light->centre) + (0.5f / PI_F) * shape->area);
 }
 
@@ -250,16 +254,33 @@ static bool sphere_sample(const struct light *light, const struct shape *shape, 
     return finish_area_sample(&at, p, pdf_w, out);
 }
 
+// Sets *at and the density over solid angle. False if it must be sampled by area.
+static bool sample_tube(const struct light *light, const struct shape *shape, vec3 p, float u,
+                        float v, struct light_point *at, float *pdf_w) {
+    struct light_tube_point point;
+    if (!light->tube || !light_tube_sample(light->tube, p, u, v, &point)) return false;
+    *at = (struct light_point){point.p, point.n, light->value, 0.0f};
+    *pdf_w = point.pdf_w;
+    if (light->texture) {
+        const vec3 o = mat4_point(&shape->to_object, point.p);
+        const vec2 uv = {azimuth_fraction(o.y, o.x), o.z};
+        at->L = area_radiance(light, scene_texture_at(uv));
+    }
+    return true;
+}
+
 bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
                        float v, struct light_sample *out) {
     const struct shape *shape = &scene->shape[light->shape];
     if (shape->kind == SHAPE_SPHERE) return sphere_sample(light, shape, p, u, v, out);
     if (!light->face) {
-        struct light_point at =
-            shape->kind == SHAPE_MESH
-                ? triangle_point(light, shape, light_facing_cdf(light, shape, p), u, v)
-                : light_area_point(scene, light, u, v);
-        return finish_area_sample(&at, p, 0.0f, out);
+        struct light_point at;
+        float pdf_w = 0.0f;
+        if (shape->kind == SHAPE_MESH)
+            at = triangle_point(light, shape, light_facing_cdf(light, shape, p), u, v);
+        else if (!sample_tube(light, shape, p, u, v, &at, &pdf_w))
+            at = light_area_point(scene, light, u, v);
+        return finish_area_sample(&at, p, pdf_w, out);
     }
     float probability, pdf_w;
     vec3 q;
@@ -287,9 +308,10 @@ float light_area_pdf(const struct satin_scene *scene, const struct light *light,
         choose_face(light, p, &unused, i, &probability);
         return probability * light_face_pdf(&light->face[i], p, s->p);
     }
-    float pdf_a = shape->kind == SHAPE_MESH
-                      ? triangle_pdf(light_facing_cdf(light, shape, p), s->prim,
-                                     v3_len_wide(triangle_get(shape, s->prim).n))
-                      : 1.0f / shape->area;
+    float pdf_w, pdf_a = 1.0f / shape->area;
+    if (light->tube && light_tube_pdf(light->tube, p, s->p, &pdf_w)) return pdf_w;
+    if (shape->kind == SHAPE_MESH)
+        pdf_a = triangle_pdf(light_facing_cdf(light, shape, p), s->prim,
+                             v3_len_wide(triangle_get(shape, s->prim).n));
     return pdf_a * d2 / cosine;
 }

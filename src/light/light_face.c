@@ -4,12 +4,16 @@
 // [Urena et al. 2013, "An area-preserving parametrization for spherical rectangles"], which avoids
 // the 1 / d^2 peaks at points near an emitting wall. Deviation: the corner angles are complex
 // numbers, whose error in float stays near 1e-7, while the paper's arccosines lose half the digits.
-// Sums of angles are products, and only one arctangent is left.
+// Sums of angles are products, and only one arctangent is left. Strips, as of LEDs, are sampled
+// by the angle that their length subtends, where their solid angle is small.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
+#include "light/light_line.h"
 
 // Below this solid angle area sampling is as good, and faster.
 #define SOLID_ANGLE_MIN 0.15f
+// A face longer than this many times its width is a strip.
+#define STRIP_LENGTH 4.0f
 
 // An angle as the argument of the complex number c + i s, of any length.
 struct angle {
@@ -85,17 +89,44 @@ bool light_faces_build(const struct shape *shape, struct light_face *face, uint3
     return true;
 }
 
+static bool longer_by_u(const struct light_face *face) { return face->length_u > face->length_v; }
+
+// The middle line of a strip relative to a point in front of it, which is at least as far away as a
+// part of the width; without the angle. False if the face is not a strip.
+static bool strip_make(const struct light_face *face, vec3 p, struct light_line *line) {
+    const bool by_u = longer_by_u(face);
+    const float length = by_u ? face->length_u : face->length_v, width = face->area / length;
+    if (!(length > STRIP_LENGTH * width)) return false;
+    const vec3 axis = by_u ? face->x : face->y, across = by_u ? face->edge_v : face->edge_u;
+    const vec3 d = v3_mad(v3_sub(p, face->corner), -0.5f, across);
+    const float foot = v3_dot(d, axis);
+    const float away2 = v3_len2(v3_mad(d, -foot, axis)) + sqrf(width) * (0.5f / PI_F);
+    *line = (struct light_line){length, foot, sqrtf(away2), 0.0f};
+    return true;
+}
+
 float light_face_estimate(const struct light_face *face, vec3 p) {
     vec3 d = v3_sub(p, face->corner);
     float h = v3_dot(d, face->n);
     if (!(h > 0.0f)) return 0.0f;
-    d = v3_mad(v3_mad(d, -0.5f, face->edge_u), -0.5f, face->edge_v);
+    // The mean squared inverse distance, a squared distance where the light is, and its size.
+    float closeness, nearest2, size;
+    struct light_line strip;
+    if (strip_make(face, p, &strip)) {
+        closeness = light_line_closeness(strip.length, strip.foot, strip.away);
+        nearest2 = sqrf(strip.away) + sqrf(strip.foot - clampf(strip.foot, 0.0f, strip.length));
+        size = face->area / strip.length;
+    } else {
+        d = v3_mad(v3_mad(d, -0.5f, face->edge_u), -0.5f, face->edge_v);
+        nearest2 = v3_len2(d) + face->area * (0.5f / PI_F);
+        closeness = 1.0f / nearest2;
+        size = sqrtf(face->area);
+    }
     // Beside the light's plane the cosine to its centre is a poor estimate for its near part, hence
     // a quarter of its size is added. Points on the face itself (h = 0 up to rounding) get almost
     // nothing.
-    float size = sqrtf(face->area), q = v3_len2(d) + face->area * (0.5f / PI_F);
-    float height = (h + 0.25f * size) * h / (h + 1e-4f * size);
-    return face->area * height / (q * sqrtf(q));
+    const float height = (h + 0.25f * size) * h / (h + 1e-4f * size);
+    return face->area * height * closeness / sqrtf(nearest2);
 }
 
 // The angle whose tangent is x y / (-z r), which is the solid angle between the axes and a corner.
@@ -136,15 +167,40 @@ static float area_pdf(const struct light_face *face, vec3 p, vec3 q) {
     return cosine > 0.0f ? d2 / (face->area * cosine) : 0.0f;
 }
 
-// Does what plain_pdf does, without the texture.
+// Draws q by area, along a strip by the angle that its length subtends. False if p has no light of
+// it.
+static bool area_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
+                        float *pdf_w) {
+    struct light_line strip;
+    float density = 1.0f;  // over area, times the area
+    if (strip_make(face, p, &strip)) {
+        if (!light_line_make(strip.length, strip.foot, strip.away, &strip)) return false;
+        float *along = longer_by_u(face) ? &u : &v;
+        const float at = light_line_sample(&strip, *along);
+        density = strip.length * light_line_density(&strip, at);
+        *along = at / strip.length;
+    }
+    *q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
+    *pdf_w = density * area_pdf(face, p, *q);
+    return *pdf_w > 0.0f && isfinite(*pdf_w);
+}
+
+// The density over solid angle at p of drawing q by area_sample.
+static float area_sample_pdf(const struct light_face *face, vec3 p, vec3 q) {
+    const float uniform = area_pdf(face, p, q);
+    struct light_line strip;
+    if (!strip_make(face, p, &strip)) return uniform;
+    if (!light_line_make(strip.length, strip.foot, strip.away, &strip)) return 0.0f;
+    const vec2 st = light_face_coordinates(face, q);
+    const float at = strip.length * (longer_by_u(face) ? st.x : st.y);
+    return uniform * strip.length * light_line_density(&strip, at);
+}
+
+// Does what light_face_sample does, without the texture.
 static bool plain_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
                          float *pdf_w) {
     struct spherical_rectangle w;
-    if (!spherical_rectangle_make(face, p, &w)) {
-        *q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
-        *pdf_w = area_pdf(face, p, *q);
-        return *pdf_w > 0.0f && isfinite(*pdf_w);
-    }
+    if (!spherical_rectangle_make(face, p, &w)) return area_sample(face, p, u, v, q, pdf_w);
     // The plane x = xu through the point's y axis below which lies the fraction u of the solid
     // angle.
     float cut = u * w.solid_angle;
@@ -165,7 +221,7 @@ static bool plain_sample(const struct light_face *face, vec3 p, float u, float v
 static float plain_pdf(const struct light_face *face, vec3 p, vec3 q) {
     struct spherical_rectangle rectangle;
     return spherical_rectangle_make(face, p, &rectangle) ? 1.0f / rectangle.solid_angle
-                                                         : area_pdf(face, p, q);
+                                                         : area_sample_pdf(face, p, q);
 }
 
 // The density of the mixture of plain samples and of those by the texture's grid.

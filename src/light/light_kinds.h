@@ -37,6 +37,22 @@ satin_status light_facing_build(struct satin_scene *scene, struct light *light);
 // that faces points like p.
 const float *light_facing_cdf(const struct light *light, const struct shape *shape, vec3 p);
 
+// ---- Cylinders (light_cylinder.c) ---------------------------------------------------------------
+
+struct light_tube_point {
+    vec3 p, n;    // n: the outward normal
+    float pdf_w;  // density over solid angle
+};
+// Sets the tube of a cylinder that is round and emits outwards. Fails with SATIN_ERROR_MEMORY.
+satin_status light_tube_build(struct satin_scene *scene, struct light *light);
+// Draws a point of the tube for p outside it. False if points are to be drawn by area.
+bool light_tube_sample(const struct light_tube *tube, vec3 p, float u, float v,
+                       struct light_tube_point *out);
+// Sets the density over solid angle at p of drawing q. False if points are drawn by area.
+bool light_tube_pdf(const struct light_tube *tube, vec3 p, vec3 q, float *pdf_w);
+// The mean squared inverse distance of the axis from p, or from where the axis is a radius away.
+float light_tube_closeness(const struct light_tube *tube, vec3 p);
+
 // ---- Faces (light_face.c) ---------------------------------------------------------------------
 
 // 1 or -1, the factor by which a triangle's normal n, from the order of its vertices, is on the

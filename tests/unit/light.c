@@ -1,127 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights: samples follow the density that is reported (chi-square over a grid of directions, at
-// points near, beside, inside and far), sampling and evaluation report the same density (round
-// trip), and photons have the analytic power and bring the irradiance that sampling finds.
-#include "test_scene.h"
-
+// Lights: samples follow the density that is reported, at points near, beside, inside and far, and
+// photons have the analytic power and bring the irradiance that sampling finds.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "base/sampling.h"
-
-// ---- Chi-square -------------------------------------------------------------------------------
-
-enum { COLUMNS = 32, ROWS = 16, CELLS = COLUMNS * ROWS, FINE = 32 };
-
-// Directions in a grid of equal solid angles around a frame.
-static int light_cell_of(const struct frame *f, vec3 w) {
-    vec3 l = frame_to_local(f, w);
-    float around = atan2f(l.y, l.x) * (0.5f / PI_F);
-    int column = (int)((around < 0.0f ? around + 1.0f : around) * COLUMNS);
-    int row = (int)((l.z + 1.0f) * 0.5f * ROWS);
-    return (row < ROWS ? row : ROWS - 1) * COLUMNS + (column < COLUMNS ? column : COLUMNS - 1);
-}
-
-// The density at p in direction w that MIS would use.
-static float light_density(const struct satin_scene *scene, uint32_t light, vec3 p, vec3 w) {
-    enum light_kind kind = scene->light[light].kind;
-    if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, p, w);
-    struct ray ray = {p, 0.0f, w, INFINITY};
-    struct interaction s;
-    if (!scene_intersect(scene, &ray, &s) || s.light != (int32_t)light) return 0.0f;
-    return light_pdf(scene, p, w, &s);
-}
-
-// The upper tail of the chi-square distribution [Wilson and Hilferty 1931].
-static double chi_square_tail(double chi2, double freedom) {
-    double a = 2.0 / (9.0 * freedom), z = (cbrt(chi2 / freedom) - (1.0 - a)) / sqrt(a);
-    return 0.5 * erfc(z / sqrt(2.0));
-}
-
-// The integral of the density over each cell, and the largest fraction of it that one of its FINE^2
-// points has.
-static void light_integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
-                            const struct frame *f, double expected[CELLS], double most[CELLS]) {
-    struct rng rng = rng_make(7, RNG_TEST, 1);
-    for (int row = 0; row < ROWS * FINE; row++)
-        for (int column = 0; column < COLUMNS * FINE; column++) {
-            float z = 2.0f * ((float)row + rng_float(&rng)) / (ROWS * FINE) - 1.0f;
-            float phi = 2.0f * PI_F * ((float)column + rng_float(&rng)) / (COLUMNS * FINE);
-            float s = safe_sqrtf(1.0f - z * z);
-            vec3 w = frame_to_world(f, v3(s * cosf(phi), s * sinf(phi), z));
-            int cell = row / FINE * COLUMNS + column / FINE;
-            double part = 4.0 * M_PI / CELLS / (FINE * FINE) * light_density(scene, light, p, w);
-            expected[cell] += part;
-            most[cell] = fmax(most[cell], part);
-        }
-}
-
-// Fails if light_sample_wi and light_pdf disagree at p: a false alarm in 1 of 10^5 tests.
-static void check_density(const struct test_scene *t, uint32_t light, vec3 p, const char *what) {
-    enum { N = 40000 };
-    const struct satin_scene *scene = &t->scene;
-    struct frame f = frame_from_normal(v3_unit(v3(0.3f, -0.5f, 0.8f)));
-    double expected[CELLS] = {0}, most[CELLS] = {0}, found[CELLS] = {0}, sum = 0.0;
-    light_integrate(scene, light, p, &f, expected, most);
-    struct rng rng = rng_make(8, RNG_TEST, 2);
-    int wrong = 0;
-    for (int i = 0; i < N; i++) {
-        struct light_sample s;
-        float u = rng_float(&rng), v = rng_float(&rng);
-        if (!light_sample_wi(scene, light, p, u, v, &s)) continue;
-        assert_true(fabsf(v3_len(s.wi) - 1.0f) < 1e-5f && s.pdf_w > 0.0f && !s.delta);
-        float reported = light_density(scene, light, p, s.wi);
-        // Samples on an edge may miss it, and where a cylinder curves away the cosine is known to
-        // few digits; all others must have the same density both times.
-        wrong += !(fabsf(reported - s.pdf_w) <= 2e-3f * s.pdf_w);
-        found[light_cell_of(&f, s.wi)] += 1.0;
-    }
-    if (wrong > N / 400) printf("%s: %d of %d densities differ\n", what, wrong, N);
-    assert_true(wrong <= N / 400);
-    double chi2 = 0.0, rest_e = 0.0, rest_f = 0.0, drawn = 0.0;
-    int freedom = -1;
-    for (int i = 0; i < CELLS; i++) {
-        double e = expected[i] * N;
-        sum += expected[i];
-        drawn += found[i] / N;  // less than 1 where samples fall on a side that faces away
-        if (e < 8.0) {
-            rest_e += e;
-            rest_f += found[i];
-            continue;
-        }
-        // The samples' own variance, and that of the integral: an edge of the light that cuts the
-        // cell passes by up to 2 FINE of its jittered points, each of which falls on either side by
-        // chance.
-        double integration = 0.25 * 2 * FINE * (most[i] * N) * (most[i] * N);
-        chi2 += (found[i] - e) * (found[i] - e) / (e + integration);
-        freedom++;
-    }
-    chi2 += (rest_f - rest_e) * (rest_f - rest_e) / (rest_e + 8.0);
-    freedom++;
-    double tail = freedom > 0 ? chi_square_tail(chi2, freedom) : 1.0;
-    if (tail < 1e-5 || fabs(sum - drawn) > 0.02)
-        printf("%s: chi2 %.1f, freedom %d, tail %g, integral %g\n", what, chi2, freedom, tail, sum);
-    assert_true(tail >= 1e-5);
-    assert_true(fabs(sum - drawn) <= 0.02);
-}
-
-// ---- Lights to test ---------------------------------------------------------------------------
-
-static struct mat4 rotated(struct mat4 m, vec3 axis, float degrees) {
-    struct mat4 r = mat4_rotate(axis, degrees);
-    return mat4_mul(&m, &r);
-}
+#include "test_light.h"
 
 static void densities_of_area_lights_are_right(void **state) {
     (void)state;
     struct test_scene t;
     const rgb white = rgb_grey(1.0f);
     struct mat4 plain = test_transform(v3(0, 0, 0), v3(1.0f, 0.6f, 1.0f));
-    struct mat4 tilted = rotated(test_transform(v3(3, 1, 2), v3(1, 1, 1)), v3(1, 2, 3), 50.0f);
+    struct mat4 tilted = test_rotated(test_transform(v3(3, 1, 2), v3(1, 1, 1)), v3(1, 2, 3), 50.0f);
     struct mat4 skew = mat4_identity();
     skew.m[0][1] = 0.7f;
-    for (int kind = 0; kind < 7; kind++) {
+    for (int kind = 0; kind < 8; kind++) {
         test_scene_init(&t);
         uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f), shape = 0;
         if (kind == 0) shape = test_rectangle(&t, plain, grey);
@@ -131,29 +26,31 @@ static void densities_of_area_lights_are_right(void **state) {
         if (kind == 4) shape = test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, grey);
         if (kind == 5) shape = test_quadric(&t, SHAPE_DISK, tilted, false, grey);
         if (kind == 6) shape = test_quadric(&t, SHAPE_CYLINDER, tilted, false, grey);
+        if (kind == 7) shape = test_quadric(&t, SHAPE_CYLINDER, mat4_identity(), true, grey);
         test_area_light(&t, shape, white);
         test_scene_finish(&t);
         if (kind < 2) {
-            check_density(&t, 0, v3(0.2f, 0.1f, 0.7f), "rectangle near");
-            if (kind == 0) check_density(&t, 0, v3(0.2f, 0.1f, 0.02f), "rectangle touching");
-            check_density(&t, 0, v3(1.05f, 0.1f, 0.1f), "rectangle beside");
-            check_density(&t, 0, v3(2.0f, -1.0f, 3.0f), "rectangle away");
+            test_light_density(&t, 0, v3(0.2f, 0.1f, 0.7f), "rectangle near");
+            if (kind == 0) test_light_density(&t, 0, v3(0.2f, 0.1f, 0.02f), "rectangle touching");
+            test_light_density(&t, 0, v3(1.05f, 0.1f, 0.1f), "rectangle beside");
+            test_light_density(&t, 0, v3(2.0f, -1.0f, 3.0f), "rectangle away");
         }
         if (kind == 2) {
-            check_density(&t, 0, v3(0, 0, 0), "cube, centre");
-            check_density(&t, 0, v3(0.9f, -0.95f, 0.3f), "cube, corner");
+            test_light_density(&t, 0, v3(0, 0, 0), "cube, centre");
+            test_light_density(&t, 0, v3(0.9f, -0.95f, 0.3f), "cube, corner");
         }
         if (kind == 3) {
-            check_density(&t, 0, v3(1.1f, 0.1f, 0.0f), "sphere near");
-            check_density(&t, 0, v3(-2.0f, 1.0f, 2.0f), "sphere away");
+            test_light_density(&t, 0, v3(1.1f, 0.1f, 0.0f), "sphere near");
+            test_light_density(&t, 0, v3(-2.0f, 1.0f, 2.0f), "sphere away");
         }
-        if (kind == 4) check_density(&t, 0, v3(0.3f, 0.5f, -0.6f), "sphere inside");
+        if (kind == 4) test_light_density(&t, 0, v3(0.3f, 0.5f, -0.6f), "sphere inside");
         if (kind == 5) {
             struct mat4 m = tilted;
-            check_density(&t, 0, mat4_point(&m, v3(0.3f, 0.2f, 0.8f)), "disk near");
-            check_density(&t, 0, mat4_point(&m, v3(1.3f, 0.2f, 1.8f)), "disk away");
+            test_light_density(&t, 0, mat4_point(&m, v3(0.3f, 0.2f, 0.8f)), "disk near");
+            test_light_density(&t, 0, mat4_point(&m, v3(1.3f, 0.2f, 1.8f)), "disk away");
         }
-        if (kind == 6) check_density(&t, 0, v3(1.0f, -1.0f, 0.0f), "cylinder");
+        if (kind == 6) test_light_density(&t, 0, v3(1.0f, -1.0f, 0.0f), "cylinder");
+        if (kind == 7) test_light_density(&t, 0, v3(0.3f, -0.2f, 0.4f), "cylinder inside");
         test_scene_free(&t);
     }
 }
@@ -169,43 +66,26 @@ static void densities_of_triangles_are_right(void **state) {
     s.mesh = (struct mesh){5, 3, position, NULL, NULL, index, NULL, 0};
     test_area_light(&t, test_add_shape(&t, s), rgb_grey(1.0f));
     test_scene_finish(&t);
-    check_density(&t, 0, v3(0.3f, 0.4f, 0.8f), "three triangles");
+    test_light_density(&t, 0, v3(0.3f, 0.4f, 0.8f), "three triangles");
     test_scene_free(&t);
-}
-
-static struct image noise_image(float *texel, int width, int height) {
-    struct rng rng = rng_make(3, RNG_TEST, 3);
-    for (int i = 0; i < width * height; i++)
-        texel[3 * i] = texel[3 * i + 1] = texel[3 * i + 2] = powf(rng_float(&rng), 4.0f);
-    for (int i = 0; i < 3; i++) texel[3 * (width + 2) + i] = 20.0f;       // a small sun
-    for (int i = 0; i < 3 * width; i++) texel[3 * width * 3 + i] = 0.0f;  // a black line
-    return scene_image_make(width, height, 3, texel);
-}
-
-static struct light environment(const struct image *image) {
-    struct light light = {.kind = image ? LIGHT_ENVMAP : LIGHT_CONSTANT, .value = rgb_grey(0.5f)};
-    light.image = image;
-    light.to_world = mat4_rotate(v3(1, 2, -1), 40.0f);
-    assert_true(mat4_inverse(&light.to_world, &light.to_local));
-    return light;
 }
 
 static void densities_of_environments_are_right(void **state) {
     (void)state;
     float texel[16 * 9 * 3];
-    struct image image = noise_image(texel, 16, 9);
+    struct image image = test_noise_image(texel, 16, 9);
     for (int kind = 0; kind < 3; kind++) {
         struct test_scene t;
         test_scene_init(&t);
         test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
-        struct light light = environment(kind ? &image : NULL);
+        struct light light = test_environment(kind ? &image : NULL);
         if (kind == 2) {
             light.sun = v3_unit(v3(0.3f, 0.2f, -0.8f));
             light.sun_value = rgb_grey(5.0f), light.sun_chord = 0.3f;
         }
         test_light(&t, light);
         test_scene_finish(&t);
-        check_density(&t, 0, v3(0, 0, 0), kind == 2 ? "sun" : kind ? "envmap" : "constant");
+        test_light_density(&t, 0, v3(0, 0, 0), kind == 2 ? "sun" : kind ? "envmap" : "constant");
         test_scene_free(&t);
     }
 }
@@ -288,7 +168,8 @@ static void lights_are_chosen_with_their_probability(void **state) {
             test_area_light(&t, test_rectangle(&t, m, grey), rgb_grey((float)(1 + i % 3)));
         }
         // One light of each other kind, on a line with the others, and from far away.
-        struct light other[] = {light_spot(60.0f, 20.0f), {.kind = LIGHT_POINT}, environment(NULL)};
+        struct light other[] = {
+            light_spot(60.0f, 20.0f), {.kind = LIGHT_POINT}, test_environment(NULL)};
         other[0].position = v3(3, 0.5f, -1);
         other[1].position = v3(8, 0.5f, 2);
         other[1].value = rgb_grey(2.0f);
@@ -390,8 +271,8 @@ static void check_emission(const struct emission_case *c) {
     test_scene_init(&t);
     uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
     struct mat4 up = test_transform(v3(0.2f, 0, 2), v3(0.5f, 0.5f, 0.5f));
-    struct mat4 down = rotated(up, v3(1, 0, 0), 180.0f);
-    struct mat4 lying = rotated(up, v3(1, 0, 0), 90.0f);
+    struct mat4 down = test_rotated(up, v3(1, 0, 0), 180.0f);
+    struct mat4 lying = test_rotated(up, v3(1, 0, 0), 90.0f);
     uint32_t shape = 0;
     if (c->shape == 0) shape = test_rectangle(&t, down, grey);
     if (c->shape == 1) shape = test_cube(&t, up, false, grey);
@@ -426,7 +307,7 @@ static void check_emission(const struct emission_case *c) {
 static void photons_carry_the_power_of_their_light(void **state) {
     (void)state;
     float texel[16 * 9 * 3];
-    struct image image = noise_image(texel, 16, 9);
+    struct image image = test_noise_image(texel, 16, 9);
     struct light point = {.kind = LIGHT_POINT, .value = rgb_grey(2.0f), .position = v3(0, 0.2f, 2)};
     struct light down = light_spot(50.0f, 20.0f), sun = {.kind = LIGHT_DIRECTIONAL};
     down.position = v3(0.5f, 0.2f, 2.0f);
@@ -442,7 +323,7 @@ static void photons_carry_the_power_of_their_light(void **state) {
                              .to_uv = {1.4f, 0, 0, 0, 0.8f, 0},  // no edge near p
                              .mean = rgb_grey(0.55f)};
     struct mat4 to_world =
-        rotated(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);
+        test_rotated(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);
     struct light slide = light_spot(50.0f, 20.0f), projector = {.kind = LIGHT_PROJECTOR};
     slide.texture = projector.texture = &checks;
     slide.position = projector.position = down.position;
@@ -464,8 +345,8 @@ static void photons_carry_the_power_of_their_light(void **state) {
         {"spot with a slide", slide, -1, 0.0},
         {"projector", projector, -1, 0.0},
         {"directional", sun, -1, 1.5 * 64.0 * (double)-sun.direction.z},
-        {"constant", environment(NULL), -1, 0.5 * M_PI * 128.0},
-        {"envmap", environment(&image), -1, 0.0},
+        {"constant", test_environment(NULL), -1, 0.5 * M_PI * 128.0},
+        {"envmap", test_environment(&image), -1, 0.0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) check_emission(&cases[i]);
 }

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Long lights, tubes and strips: samples follow the density that is reported, and have little
+// noise.
+#include "test_light.h"
+
+// Strips and tubes near their middle, beside them and beyond their end.
+static void densities_of_long_lights_are_right(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct mat4 skew = test_transform(v3(0, 0, 0), v3(0.2f, 1.5f, 1.0f));
+    skew.m[0][1] = 0.1f;
+    const struct mat4 shape_of[] = {test_transform(v3(0, 0, 0), v3(1.5f, 0.2f, 1.0f)), skew,
+                                    test_transform(v3(0, 0, -1.5f), v3(0.2f, 0.2f, 3.0f))};
+    static const char *const name[] = {"strip", "skewed strip", "tube"};
+    for (int kind = 0; kind < 3; kind++) {
+        test_scene_init(&t);
+        const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+        const uint32_t shape = kind < 2
+                                   ? test_rectangle(&t, shape_of[kind], grey)
+                                   : test_quadric(&t, SHAPE_CYLINDER, shape_of[kind], false, grey);
+        test_area_light(&t, shape, rgb_grey(1.0f));
+        test_scene_finish(&t);
+        // Along the axis of each, then across it.
+        const vec3 along = v3_unit(mat4_vector(&shape_of[kind], kind == 0   ? v3(1, 0, 0)
+                                                                : kind == 1 ? v3(0, 1, 0)
+                                                                            : v3(0, 0, 1)));
+        const vec3 across = kind < 2 ? v3(0, 0, 1) : v3(0.6f, 0.8f, 0);
+        static const float at[][2] = {{0.4f, 0.5f}, {-1.2f, 0.9f}, {2.0f, 0.6f}, {1.0f, 4.0f}};
+        for (int i = 0; i < 4; i++)
+            test_light_density(&t, 0, v3_mad(v3_mul(along, at[i][0]), at[i][1], across),
+                               name[kind]);
+        test_scene_free(&t);
+    }
+}
+
+// The light of a tube near a ceiling, and of a strip, by few samples: its deviation is that of the
+// light that they see, not of the distances along the tube.
+static void long_lights_have_little_noise(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+        const struct mat4 tube = test_transform(v3(0, 0, -1.5f), v3(0.004f, 0.004f, 3.0f));
+        const struct mat4 strip = test_transform(v3(0, 0, 0), v3(0.002f, 1.5f, 1.0f));
+        test_area_light(&t,
+                        kind ? test_rectangle(&t, strip, grey)
+                             : test_quadric(&t, SHAPE_CYLINDER, tube, false, grey),
+                        rgb_grey(1.0f));
+        test_scene_finish(&t);
+        const vec3 p = kind ? v3(0.02f, 1.3f, 0.1f) : v3(0.1f, 0.02f, 1.3f);
+        const vec3 n = kind ? v3(0, 0, -1) : v3(-1, 0, 0);
+        struct rng rng = rng_make(3, RNG_TEST, 0);
+        double sum = 0.0, squares = 0.0;
+        enum { N = 4000 };
+        for (int i = 0; i < N; i++) {
+            struct light_sample s;
+            const float u = rng_float(&rng), v = rng_float(&rng);
+            if (!light_sample_wi(&t.scene, 0, p, u, v, &s)) continue;
+            const double E = (double)(fmaxf(v3_dot(s.wi, n), 0.0f) / s.pdf_w);
+            sum += E;
+            squares += E * E;
+        }
+        const double mean = sum / N, deviation = sqrt(squares / N - mean * mean) / mean;
+        if (!(deviation < 1.0)) printf("%s: deviation %g\n", kind ? "strip" : "tube", deviation);
+        assert_true(deviation < 1.0);  // by area, that of the tube is 5.4
+        test_scene_free(&t);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(densities_of_long_lights_are_right),
+                                       cmocka_unit_test(long_lights_have_little_noise)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
