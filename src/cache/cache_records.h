@@ -105,9 +105,9 @@ bool cache_insert_copy(struct cache *cache, const struct cache *from, enum cache
 
 // ---- Leaks (cache_leak_test.c) ------------------------------------------------------------------
 
-// The equal angles into which the directions around a record's normal are divided.
-enum { CACHE_SECTORS = 32 };
-
+// Whether the record serves the point. If not, as the point is close to a surface that is near the
+// record, the record still contributes to it, but the point gets a record of its own.
+bool cache_serves(const struct cache_head *head, vec3 p);
 // Whether a surface separates the record and the point. A ray is traced only in the sectors with
 // near surfaces.
 bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);

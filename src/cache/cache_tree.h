@@ -12,6 +12,9 @@
 
 #include "base/vec.h"
 
+// The equal angles into which the directions around a record's normal are divided.
+enum { CACHE_SECTORS = 32 };
+
 // The data of a record that a query tests, without its value; a row of the file of records.
 struct cache_head {
     vec3 p;
@@ -22,8 +25,10 @@ struct cache_head {
     vec3 anisotropy;  // makes the disc an ellipse: d^2 becomes d^2 + (d . anisotropy)^2; 0: a disc
     float scale;      // its own accuracy is this times a [K05 6.3], in (0, 1]
     vec3 u;           // tangent from which sectors are counted, about n
-    uint32_t near_sectors;  // mask of the sectors with surfaces within the search radius
-    float clear;            // no surface is nearer than this
+    float clear;      // no surface is nearer than this
+    // For each sector, 255ths of the search radius up to which the record serves points; those
+    // beyond are close to a surface. 255: there is none within it.
+    uint8_t sector[CACHE_SECTORS];
 };
 
 struct cache_node {

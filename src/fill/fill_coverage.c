@@ -11,7 +11,8 @@ bool fill_is_covered(const struct fill *fill, enum cache_kind kind, const struct
     struct cache_near near[CACHE_NEAR_MAX];
     const int count = cache_find(fill->cache, kind, s->p, s->frame.n, sites->a, near);
     for (int i = 0; i < count; i++)
-        if (!(cache_rays_fraction(fill->cache, kind, near[i].record) < sites->rays_least))
+        if (!(cache_rays_fraction(fill->cache, kind, near[i].record) < sites->rays_least) &&
+            cache_serves(&fill->cache->store[kind].tree.head[near[i].record], s->p))
             return true;
     return false;
 }

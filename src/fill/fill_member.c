@@ -153,9 +153,8 @@ static struct cache_head make_head(const struct fill_making *m, const struct fil
     const struct fill_site *s = member->site;
     const float radius = m->store->options.a * m->sites->factor_max * x->R;
     float ratio = x->R / x->across;
-    float clear;
-    const uint32_t near = fill_leak_sectors(&member->found.around, radius, &clear);
-    return (struct cache_head){
+    const float least = m->store->options.a * fill_least_radius(m->fill, m->kind, s->pixel);
+    struct cache_head head = {
         .p = s->p,
         .R = x->R,
         .n = s->frame.n,
@@ -163,9 +162,9 @@ static struct cache_head make_head(const struct fill_making *m, const struct fil
         .anisotropy = v3_mul(x->axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
         .scale = m->sites->adapted ? first_scale(&m->store->tree, s, radius) : 1.0f,
         .u = s->frame.u,
-        .near_sectors = near,
-        .clear = clear,
     };
+    head.clear = fill_find_sectors(&member->found.around, radius, least, head.sector);
+    return head;
 }
 
 static bool insert_irradiance(const struct fill_making *m, struct fill_member *member) {

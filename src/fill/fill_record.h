@@ -71,9 +71,10 @@ float fill_least_radius(const struct fill *fill, enum cache_kind kind, float pix
 // Neighbour clamping [K05 6.5.2] (fill_neighbour_clamp.c): returns R of a new record at (p, n),
 // limited by its neighbours in the tree, and limits those of the neighbours by the new one.
 float fill_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R);
-// The mask of the sectors with surfaces nearer than `radius`. *clear is set to a distance within
-// which there are none.
-uint32_t fill_leak_sectors(const struct gather_surroundings *around, float radius, float *clear);
+// Finds how far a record of this search radius serves points in each sector (struct cache_head), at
+// least as far as its least influence radius. Returns the distance within which no surface is.
+float fill_find_sectors(const struct gather_surroundings *around, float radius, float least,
+                        uint8_t sector[CACHE_SECTORS]);
 
 // ---- Rays of a new record (fill_rays.c) ---------------------------------------------------------
 

@@ -55,14 +55,15 @@ static vec3 cache_file_draw(struct rng *rng) {
 
 static struct cache_head head(struct rng *rng) {
     struct frame frame = frame_from_normal(v3(0, 0, 1));
-    return (struct cache_head){.p = cache_file_draw(rng),
-                               .R = 0.2f + rng_float(rng),
-                               .n = frame.n,
-                               .search_radius = 0.6f,
-                               .anisotropy = cache_file_draw(rng),
-                               .scale = 0.5f + 0.5f * rng_float(rng),
-                               .u = frame.u,
-                               .near_sectors = rng_u32(rng)};
+    struct cache_head head = {.p = cache_file_draw(rng),
+                              .R = 0.2f + rng_float(rng),
+                              .n = frame.n,
+                              .search_radius = 0.6f,
+                              .anisotropy = cache_file_draw(rng),
+                              .scale = 0.5f + 0.5f * rng_float(rng),
+                              .u = frame.u};
+    for (int s = 0; s < CACHE_SECTORS; s++) head.sector[s] = (uint8_t)rng_u32(rng);
+    return head;
 }
 
 // A cache of records that hold any numbers.

@@ -35,6 +35,7 @@ static void cache_find_start(struct cache_find_fixture *f, float noise) {
                                         .R = 0.5f,
                                         .n = v3(0, 0, 1),
                                         .search_radius = 1.0f,
+                                        .clear = 1.0f,
                                         .scale = 1.0f,
                                         .u = v3(1, 0, 0)};
         const struct cache_irradiance_record record = {

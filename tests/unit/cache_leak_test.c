@@ -21,7 +21,7 @@ struct cache_leak_fixture {
 };
 
 // A floor in the xy plane; a wall at x = 0, from y = -10 to 0.5. The record lies at x = .2.
-static void cache_leak_start(struct cache_leak_fixture *f) {
+static void cache_leak_start(struct cache_leak_fixture *f, float least) {
     test_scene_init(&f->scene);
     uint32_t grey = test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f);
     test_rectangle(&f->scene, mat4_scale(v3(10, 10, 1)), grey);
@@ -44,8 +44,9 @@ static void cache_leak_start(struct cache_leak_fixture *f) {
     gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
     gather_hemisphere_irradiance(worker->hemisphere, f->g.options->irradiance_gradients, &value);
     gather_surroundings_make(worker->hemisphere, false, &around);
-    f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
-    f->head.near_sectors = fill_leak_sectors(&around, 2.0f, &f->head.clear);
+    f->head = (struct cache_head){
+        .p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .search_radius = 2.0f, .scale = 1.0f};
+    f->head.clear = fill_find_sectors(&around, f->head.search_radius, least, f->head.sector);
     gather_workers_free(worker, 1);
     gather_layout_free(layout);
 }
@@ -53,10 +54,10 @@ static void cache_leak_start(struct cache_leak_fixture *f) {
 static void a_wall_hides_what_is_behind(void **state) {
     (void)state;
     struct cache_leak_fixture f;
-    cache_leak_start(&f);
+    cache_leak_start(&f, 0.0f);
     // Hits are near towards the wall, but not away from it.
-    assert_true(f.head.near_sectors >> (CACHE_SECTORS / 2) & 1u);
-    assert_false(f.head.near_sectors & 1u);
+    assert_true(f.head.sector[CACHE_SECTORS / 2] < UINT8_MAX);
+    assert_int_equal(f.head.sector[0], UINT8_MAX);
     assert_true(cache_leaks(&f.cache, &f.head, v3(-0.3f, 0, 0)));
     assert_true(cache_leaks(&f.cache, &f.head, v3(-0.01f, -0.3f, 0)));
     assert_false(cache_leaks(&f.cache, &f.head, v3(0.01f, 0, 0)));
@@ -67,7 +68,25 @@ static void a_wall_hides_what_is_behind(void **state) {
     test_scene_free(&f.scene);
 }
 
+// What is close to a surface that is near a record on one side is not served by it, but for points
+// within the least influence radius.
+static void records_serve_points_up_to_near_surfaces(void **state) {
+    (void)state;
+    struct cache_leak_fixture f;
+    cache_leak_start(&f, 0.0f);
+    assert_true(cache_serves(&f.head, v3(0.06f, 0, 0)));
+    assert_false(cache_serves(&f.head, v3(0.01f, 0, 0)));
+    assert_false(cache_serves(&f.head, v3(0.01f, -0.1f, 0)));
+    assert_true(cache_serves(&f.head, v3(1.9f, 0, 0)));
+    test_scene_free(&f.scene);
+    cache_leak_start(&f, 0.3f);
+    assert_true(cache_serves(&f.head, v3(0.01f, 0, 0)));
+    assert_false(cache_serves(&f.head, v3(-0.2f, 0, 0)));
+    test_scene_free(&f.scene);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_wall_hides_what_is_behind)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_wall_hides_what_is_behind),
+                                       cmocka_unit_test(records_serve_points_up_to_near_surfaces)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
