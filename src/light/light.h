@@ -64,8 +64,9 @@ struct light {
     uint32_t face_count;
     const float *facing_cdf;  // area, many triangles: distributions over them (light_facing.c), or
                               // NULL
-    vec3 centre;              // area: centre of its bounds
-    float radius;             // area, mesh: half the diagonal of its bounds
+    const struct light_slabs *slabs;  // area, many triangles: parts along it; NULL: none
+    vec3 centre;                      // area: centre of its bounds
+    float radius;                     // area, mesh: half the diagonal of its bounds
     float strength;      // luminance of radiance * area, of intensity or of irradiance, by kind
     float sun_fraction;  // fraction of the samples that goes to the sun
     float power;         // luminance of the emitted power [W], > 0

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Area lights: uniform radiance, or a texture over uv, leaves the front side of a shape. Meshes of
-// few flat faces are sampled face by face (light_face.c, light_texels.c), other meshes by a
-// distribution over triangles, spheres by their cone, cylinders by the angles that they subtend
-// (light_cylinder.c), disks by area. Conventions are
-// Mitsuba 3's with one deviation: the geometric normal decides which side is the front, so that the
-// emitted power is pi L A.
+// few flat faces are sampled face by face (light_face.c, light_texels.c), other meshes by slabs
+// from near (light_slabs.c) and by what faces the point from far (light_facing.c), spheres by their
+// cone, cylinders by the angles that they subtend (light_cylinder.c), disks by area. Conventions
+// are Mitsuba 3's with one deviation: the geometric normal decides which side is the front, so that
+// the emitted power is pi L A.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -70,17 +70,29 @@ static float triangle_pdf(const float *cdf, uint32_t i, float normal_length) {
     return 2.0f * (cdf[i + 1] - cdf[i]) / normal_length;
 }
 
+static rgb triangle_radiance(const struct light *light, const struct mesh *mesh, uint32_t i,
+                             vec2 b) {
+    struct texture_lookup at = {b, mesh, i, b, 0.0f};
+    if (light->texture) at.uv = scene_mesh_uv(mesh, i, b);
+    return area_radiance(light, at);
+}
+
+// The weights of the second and third corner at a point of a triangle.
+static vec2 triangle_coordinates(const struct triangle *t, vec3 p) {
+    const vec3 d = v3_sub(p, t->a), n = v3_cross(t->ab, t->ac);
+    const float scale = 1.0f / v3_len2(n);
+    return (vec2){v3_dot(v3_cross(d, t->ac), n) * scale, v3_dot(v3_cross(t->ab, d), n) * scale};
+}
+
 static struct light_point triangle_point(const struct light *light, const struct shape *shape,
                                          const float *cdf, float u, float v) {
     const struct mesh *mesh = &shape->mesh;
     uint32_t i = (uint32_t)sample_cdf(cdf, mesh->triangle_count, u, &u);
     struct triangle t = triangle_get(shape, i);
     vec2 b = sample_triangle(u, v);
-    struct texture_lookup at = {b, mesh, i, b, 0.0f};
-    if (light->texture) at.uv = scene_mesh_uv(mesh, i, b);
     float length = v3_len_wide(t.n);
     return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
-                                v3_mul(t.n, 1.0f / length), area_radiance(light, at),
+                                v3_mul(t.n, 1.0f / length), triangle_radiance(light, mesh, i, b),
                                 triangle_pdf(cdf, i, length)};
 }
 
@@ -161,6 +173,7 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
         satin_status status = prepare_mesh(scene, light);
         bound_mesh(shape, light);
         if (status == SATIN_OK && !light->face) status = light_facing_build(scene, light);
+        if (status == SATIN_OK && !light->face) status = light_slabs_build(scene, light);
         if (status != SATIN_OK) return status;
     } else {
         shape->area = scene_shape_area(shape);
@@ -187,6 +200,8 @@ float light_area_estimate(const struct satin_scene *scene, const struct light *l
             sum += light_face_estimate(&light->face[i], p);
         return sum * light->strength / shape->area;
     }
+    if (light->slabs && !light_mesh_is_far(light, p))
+        return light->strength * light_slabs_estimate(light->slabs, p) / shape->area;
     if (light->tube) return light->strength * light_tube_closeness(light->tube, p);
     return light->strength / (v3_dist2(p, light->centre) + (0.5f / PI_F) * shape->area);
 }
@@ -269,6 +284,18 @@ static bool sample_tube(const struct light *light, const struct shape *shape, ve
     return true;
 }
 
+// A point of a mesh of many triangles for p: from near by slabs, else by what faces p.
+static struct light_point mesh_point(const struct light *light, const struct shape *shape, vec3 p,
+                                     float u, float v) {
+    if (!light->slabs || light_mesh_is_far(light, p))
+        return triangle_point(light, shape, light_facing_cdf(light, shape, p), u, v);
+    const struct light_slab_point at = light_slabs_sample(light->slabs, p, u, v);
+    const struct triangle t = triangle_get(shape, at.triangle);
+    const vec2 b = triangle_coordinates(&t, at.p);
+    return (struct light_point){at.p, v3_unit_wide(t.n),
+                                triangle_radiance(light, &shape->mesh, at.triangle, b), at.pdf_a};
+}
+
 bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
                        float v, struct light_sample *out) {
     const struct shape *shape = &scene->shape[light->shape];
@@ -277,7 +304,7 @@ bool light_area_sample(const struct satin_scene *scene, const struct light *ligh
         struct light_point at;
         float pdf_w = 0.0f;
         if (shape->kind == SHAPE_MESH)
-            at = triangle_point(light, shape, light_facing_cdf(light, shape, p), u, v);
+            at = mesh_point(light, shape, p, u, v);
         else if (!sample_tube(light, shape, p, u, v, &at, &pdf_w))
             at = light_area_point(scene, light, u, v);
         return finish_area_sample(&at, p, pdf_w, out);
@@ -310,7 +337,9 @@ float light_area_pdf(const struct satin_scene *scene, const struct light *light,
     }
     float pdf_w, pdf_a = 1.0f / shape->area;
     if (light->tube && light_tube_pdf(light->tube, p, s->p, &pdf_w)) return pdf_w;
-    if (shape->kind == SHAPE_MESH)
+    if (light->slabs && !light_mesh_is_far(light, p))
+        pdf_a = light_slabs_pdf(light->slabs, p, s->p);
+    else if (shape->kind == SHAPE_MESH)
         pdf_a = triangle_pdf(light_facing_cdf(light, shape, p), s->prim,
                              v3_len_wide(triangle_get(shape, s->prim).n));
     return pdf_a * d2 / cosine;

@@ -83,9 +83,12 @@ satin_status light_facing_build(struct satin_scene *scene, struct light *light) 
     return light->facing_cdf ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
+bool light_mesh_is_far(const struct light *light, vec3 p) {
+    return !(v3_dist2(p, light->centre) < sqrf(FAR * light->radius));
+}
+
 const float *light_facing_cdf(const struct light *light, const struct shape *shape, vec3 p) {
-    if (!light->facing_cdf) return shape->area_cdf;
-    const vec3 w = v3_sub(p, light->centre);
-    if (v3_len2(w) < sqrf(FAR * light->radius)) return shape->area_cdf;
-    return light->facing_cdf + (size_t)cube_sector(w) * (shape->mesh.triangle_count + 1);
+    if (!light->facing_cdf || !light_mesh_is_far(light, p)) return shape->area_cdf;
+    const int sector = cube_sector(v3_sub(p, light->centre));
+    return light->facing_cdf + (size_t)sector * (shape->mesh.triangle_count + 1);
 }

@@ -37,6 +37,26 @@ satin_status light_facing_build(struct satin_scene *scene, struct light *light);
 // that faces points like p.
 const float *light_facing_cdf(const struct light *light, const struct shape *shape, vec3 p);
 
+// Whether p is so far from a mesh light that it sees all parts in about the same direction.
+bool light_mesh_is_far(const struct light *light, vec3 p);
+
+// ---- Lights of many triangles from near (light_slabs.c) -----------------------------------------
+
+struct light_slab_point {
+    vec3 p;
+    uint32_t triangle;
+    float pdf_a;  // density over area
+};
+// Sets the slabs of a mesh light, unless it has too many triangles. Fails with SATIN_ERROR_MEMORY.
+satin_status light_slabs_build(struct satin_scene *scene, struct light *light);
+// Draws a point of the mesh for p.
+struct light_slab_point light_slabs_sample(const struct light_slabs *slabs, vec3 p, float u,
+                                           float v);
+// The density over area of drawing q.
+float light_slabs_pdf(const struct light_slabs *slabs, vec3 p, vec3 q);
+// The sum over parts of area over squared distance.
+float light_slabs_estimate(const struct light_slabs *slabs, vec3 p);
+
 // ---- Cylinders (light_cylinder.c) ---------------------------------------------------------------
 
 struct light_tube_point {

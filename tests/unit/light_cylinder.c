@@ -50,20 +50,10 @@ static void long_lights_have_little_noise(void **state) {
         test_scene_finish(&t);
         const vec3 p = kind ? v3(0.02f, 1.3f, 0.1f) : v3(0.1f, 0.02f, 1.3f);
         const vec3 n = kind ? v3(0, 0, -1) : v3(-1, 0, 0);
-        struct rng rng = rng_make(3, RNG_TEST, 0);
-        double sum = 0.0, squares = 0.0;
-        enum { N = 4000 };
-        for (int i = 0; i < N; i++) {
-            struct light_sample s;
-            const float u = rng_float(&rng), v = rng_float(&rng);
-            if (!light_sample_wi(&t.scene, 0, p, u, v, &s)) continue;
-            const double E = (double)(fmaxf(v3_dot(s.wi, n), 0.0f) / s.pdf_w);
-            sum += E;
-            squares += E * E;
-        }
-        const double mean = sum / N, deviation = sqrt(squares / N - mean * mean) / mean;
-        if (!(deviation < 1.0)) printf("%s: deviation %g\n", kind ? "strip" : "tube", deviation);
-        assert_true(deviation < 1.0);  // by area, that of the tube is 5.4
+        const float deviation = test_light_deviation(&t, p, n);
+        if (!(deviation < 1.0f))
+            printf("%s: deviation %g\n", kind ? "strip" : "tube", (double)deviation);
+        assert_true(deviation < 1.0f);  // by area, that of the tube is 5.4
         test_scene_free(&t);
     }
 }

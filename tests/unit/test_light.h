@@ -132,4 +132,22 @@ static inline void test_light_density(const struct test_scene *t, uint32_t light
     assert_true(fabs(sum - drawn) <= 0.02);
 }
 
+// The deviation of the irradiance on a surface of normal n at p, by one sample of the only light,
+// relative to its mean.
+static inline float test_light_deviation(const struct test_scene *t, vec3 p, vec3 n) {
+    enum { N = 4000 };
+    struct rng rng = rng_make(3, RNG_TEST, 0);
+    double sum = 0.0, squares = 0.0;
+    for (int i = 0; i < N; i++) {
+        struct light_sample s;
+        const float u = rng_float(&rng), v = rng_float(&rng);
+        if (!light_sample_wi(&t->scene, 0, p, u, v, &s)) continue;
+        const double E = (double)(fmaxf(v3_dot(s.wi, n), 0.0f) / s.pdf_w);
+        sum += E;
+        squares += E * E;
+    }
+    const double mean = sum / N;
+    return (float)(sqrt(squares / N - mean * mean) / mean);
+}
+
 #endif
