@@ -270,17 +270,13 @@ static bool sphere_sample(const struct light *light, const struct shape *shape, 
 }
 
 // Sets *at and the density over solid angle. False if it must be sampled by area.
-static bool sample_tube(const struct light *light, const struct shape *shape, vec3 p, float u,
-                        float v, struct light_point *at, float *pdf_w) {
+static bool sample_tube(const struct light *light, vec3 p, float u, float v, struct light_point *at,
+                        float *pdf_w) {
     struct light_tube_point point;
     if (!light->tube || !light_tube_sample(light->tube, p, u, v, &point)) return false;
-    *at = (struct light_point){point.p, point.n, light->value, 0.0f};
+    *at = (struct light_point){point.p, point.n, area_radiance(light, scene_texture_at(point.uv)),
+                               0.0f};
     *pdf_w = point.pdf_w;
-    if (light->texture) {
-        const vec3 o = mat4_point(&shape->to_object, point.p);
-        const vec2 uv = {azimuth_fraction(o.y, o.x), o.z};
-        at->L = area_radiance(light, scene_texture_at(uv));
-    }
     return true;
 }
 
@@ -305,7 +301,7 @@ bool light_area_sample(const struct satin_scene *scene, const struct light *ligh
         float pdf_w = 0.0f;
         if (shape->kind == SHAPE_MESH)
             at = mesh_point(light, shape, p, u, v);
-        else if (!sample_tube(light, shape, p, u, v, &at, &pdf_w))
+        else if (!sample_tube(light, p, u, v, &at, &pdf_w))
             at = light_area_point(scene, light, u, v);
         return finish_area_sample(&at, p, pdf_w, out);
     }

@@ -61,6 +61,7 @@ float light_slabs_estimate(const struct light_slabs *slabs, vec3 p);
 
 struct light_tube_point {
     vec3 p, n;    // n: the outward normal
+    vec2 uv;      // texture coordinates
     float pdf_w;  // density over solid angle
 };
 // Sets the tube of a cylinder that is round and emits outwards. Fails with SATIN_ERROR_MEMORY.

@@ -58,8 +58,48 @@ static void long_lights_have_little_noise(void **state) {
     }
 }
 
+// Samples of thick tubes near a point, of thin ones far from it, and of one that is not quite round
+// are on the surface that rays find, not within it.
+static void tubes_are_not_in_their_own_shadow(void **state) {
+    (void)state;
+    static const struct {
+        vec3 scale, centre;
+    } tube[] = {{{100.0f, 100.0f, 200.0f}, {0, 102, 0}},
+                {{10.0f, 10.0f, 20.0f}, {0, 10.2f, 0}},
+                {{1e-6f, 1e-6f, 1.0f}, {0.3f, 2, 0.2f}},
+                {{0.5f, 0.50004f, 2.0f}, {0, 1, 0}}};
+    for (size_t k = 0; k < sizeof tube / sizeof *tube; k++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        const struct mat4 scale = mat4_scale(tube[k].scale), lay = mat4_rotate(v3(0, 1, 0), 90.0f);
+        const struct mat4 move =
+            mat4_translate(v3_sub(tube[k].centre, v3(0.5f * tube[k].scale.z, 0, 0)));
+        struct mat4 to_world = mat4_mul(&lay, &scale);
+        to_world = mat4_mul(&move, &to_world);
+        const uint32_t shape =
+            test_quadric(&t, SHAPE_CYLINDER, to_world, false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+        test_area_light(&t, shape, rgb_grey(1.0f));
+        test_scene_finish(&t);
+        const vec3 p = v3(0.3f, 0.0f, 0.2f), up = v3(0, 1, 0);
+        struct rng rng = rng_make(4, RNG_TEST, (uint64_t)k);
+        enum { N = 10000 };
+        int hidden = 0;
+        for (int i = 0; i < N; i++) {
+            struct light_sample s;
+            const float u = rng_float(&rng), v = rng_float(&rng);
+            if (!light_sample_wi(&t.scene, 0, p, u, v, &s)) continue;
+            const struct ray ray = scene_spawn_to(&t.scene, p, up, s.p, s.n);
+            hidden += scene_occluded(&t.scene, &ray);
+        }
+        if (hidden > N / 1000) printf("tube %zu: %d of %d hidden\n", k, hidden, N);
+        assert_true(hidden <= N / 1000);
+        test_scene_free(&t);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(densities_of_long_lights_are_right),
-                                       cmocka_unit_test(long_lights_have_little_noise)};
+                                       cmocka_unit_test(long_lights_have_little_noise),
+                                       cmocka_unit_test(tubes_are_not_in_their_own_shadow)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
