@@ -222,9 +222,9 @@ WRAP(LIGHT_SAMPLES, rgb, gather_sample_lights,
       struct gather_light_samples light_samples, struct sampler sampler, float *variance),
      (g, p, mis, light_samples, sampler, variance))
 WRAP(LIGHT_SAMPLES, float, gather_light_pdf,
-     (const struct gather *g, vec3 p, const struct light_connection *to,
-      const struct interaction *hit),
-     (g, p, to, hit))
+     (const struct gather *g, vec3 p, struct light_visibility visibility,
+      const struct light_connection *to, const struct interaction *hit),
+     (g, p, visibility, to, hit))
 WRAP(BRDFS, rgb, brdf_eval, (const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes),
      (b, wo, wi, lobes))
 WRAP(BRDFS, float, brdf_pdf, (const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes),

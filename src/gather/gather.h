@@ -91,11 +91,22 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
 // The largest number of surfaces of panes that light may pass on its way to a point at a depth;
 // negative if even direct light exceeds max_depth.
 int gather_panes(const struct gather *g, int depth);
+// The point as a receiver of the light that is sampled there.
+static inline struct light_receiver gather_receiver(const struct shading_point *p) {
+    return (struct light_receiver){p->interaction.p, p->frame.n, brdf_transmits(&p->brdf)};
+}
+// The visibility of the lights for that, and in *product what the result points to.
+static inline struct light_visibility gather_visibility(const struct gather *g,
+                                                        const struct shading_point *p,
+                                                        struct light_product *product) {
+    const struct light_receiver at = gather_receiver(p);
+    return guide_visibility_at(g->visibility, &at, product);
+}
 // The density over solid angle [sr^-1] at p with which gather_sample_lights, choosing one light,
 // draws the first direction of a connection from p to an emitter: `hit` is the surface interaction
-// on the emitter, NULL for the environment.
-float gather_light_pdf(const struct gather *g, vec3 p, const struct light_connection *to,
-                       const struct interaction *hit);
+// on the emitter, NULL for the environment. The visibility is that at p.
+float gather_light_pdf(const struct gather *g, vec3 p, struct light_visibility visibility,
+                       const struct light_connection *to, const struct interaction *hit);
 
 // Emitted light that a ray meets.
 struct gather_met_light {
@@ -108,7 +119,8 @@ struct gather_met_light {
 // ray has direction d. `from` is the point with light samples at which the chain began, against
 // which the light is to be weighted (mis_power); NULL: there is none.
 struct gather_met_light gather_meet_light(const struct gather *g, const struct light_chain *chain,
-                                          vec3 d, const vec3 *from, const struct interaction *hit);
+                                          vec3 d, const struct light_receiver *from,
+                                          const struct interaction *hit);
 
 // Light that ideal specular surfaces send to a sampled glossy lobe is from caustic photons, except
 // in directions that the lobe draws with a larger density [sr^-1], as few photons come from there.
@@ -173,8 +185,9 @@ struct gather_ray {
     float alpha_least;  // least roughness of lobes at its hit, if that is flat; 0: any
     float pdf_w;  // density [sr^-1] by which it is drawn, if the mean of such rays is to be free
                   // of the noise of lookups that they have in common; 0: that may remain
-    const vec3 *lit;  // the point for whose direct light Le, light_pdf and Le_specular are set, to
-                      // be combined with gather_sample_lights; NULL: they are 0
+    const struct light_receiver *lit;  // for whose direct light Le, light_pdf and Le_specular are
+                                       // set, to be combined with gather_sample_lights; NULL: they
+                                       // are 0
     // Results:
     rgb L;            // reflected radiance along the ray, without emitted light
     rgb Le;           // emitted light that the ray hits directly or through panes

@@ -248,9 +248,10 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     if (!draw_direction(path, v, branch, &next)) return false;
     assert(z < path->vertex + VERTICES);
     const struct interaction *s = &v->y->interaction;
+    const struct light_receiver at = gather_receiver(v->y);
     const struct gather_segment_start start = {
         .ray = scene_spawn(v->g->scene, s->p, s->ng, frame_to_world(&v->y->frame, next.wi)),
-        .lit = &s->p,
+        .lit = &at,
         .depth = v->depth};
     struct gather_segment segment;
     const bool found = gather_segment_trace(v->g, &start, &path->sampler, &segment, &z->point);

@@ -40,9 +40,10 @@ static struct shading_point white_point(const struct brdf_model *diffuse, vec3 p
     return point;
 }
 
-static int count_samples(const struct direct_loop *loop, vec3 p) {
-    const struct light_visibility visibility = guide_visibility_at(loop->g->visibility, p);
-    return visibility.histogram ? loop->samples.sky : loop->samples.others;
+static int count_samples(const struct direct_loop *loop, const struct shading_point *point) {
+    struct light_product product;
+    return gather_visibility(loop->g, point, &product).product ? loop->samples.sky
+                                                               : loop->samples.others;
 }
 
 static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
@@ -56,7 +57,7 @@ static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
         photon_irradiance_position(g->maps, i, &p, &n);
         const struct shading_point point = white_point(diffuse, p, n);
         const struct gather_mis alone = {2, {{BRDF_DIFFUSE, 0.0f}}};
-        const int count = count_samples(loop, p);
+        const int count = count_samples(loop, &point);
         const struct gather_light_samples light_samples = {count, (uint32_t)i * (uint32_t)count};
         const struct sampler sampler = {0, seed, 0};
         float variance;

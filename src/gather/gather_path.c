@@ -15,10 +15,10 @@ struct path_walk {
     rgb caustic;  // of light that is met by a chain of specular surfaces, and of reflected light:
     rgb rest;     // T, without directions whose caustics or indirect light are from photons
     float eta;
-    float length;   // from the eye
-    bool indirect;  // whether the indirect light of the last surface is from photons
-    int depth;      // number of segments before the ray
-    vec3 from;      // the last surface with smooth lobes on the path
+    float length;                // from the eye
+    bool indirect;               // whether the indirect light of the last surface is from photons
+    int depth;                   // number of segments before the ray
+    struct light_receiver from;  // the last surface with smooth lobes on the path
     float pdf_w;  // density of the BRDF sample by which `from` was left, per light sample there; 0:
                   // by a delta lobe, or there is none
     struct light_chain chain;  // chain of specular surfaces from there on
@@ -30,7 +30,7 @@ struct path_walk {
 // against light samples at the start of the chain. *T is set to the throughput for it.
 static rgb emitted(const struct gather *g, const struct path_walk *walk,
                    const struct interaction *hit, rgb *T) {
-    const vec3 *from = walk->pdf_w > 0.0f ? &walk->from : NULL;
+    const struct light_receiver *from = walk->pdf_w > 0.0f ? &walk->from : NULL;
     const struct gather_met_light met = gather_meet_light(g, &walk->chain, walk->ray.d, from, hit);
     *T = met.direct ? walk->T : walk->caustic;
     return met.direct ? rgb_scale(met.Le, mis_power(walk->pdf_w, met.light_pdf)) : met.Le;
@@ -51,7 +51,7 @@ static void leave_point(const struct gather *g, const struct shading_point *from
                             frame_to_world(&from->frame, next->wi));
     if (next->pdf_w > 0.0f) {
         walk->T = walk->rest;  // light samples found direct light
-        walk->from = from->interaction.p;
+        walk->from = gather_receiver(from);
         walk->pdf_w = next->pdf_w / (float)count_light_samples(g, walk->depth + 1);
         walk->chain = light_chain_begin(&walk->ray);
     } else {

@@ -100,7 +100,8 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
     unsigned lobes = mis.set[0].lobes | mis.set[1].lobes | mis.set[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || light_count == 0) return sum;
-    const struct light_visibility visibility = guide_visibility_at(g->visibility, p->interaction.p);
+    struct light_product product;  // not initialised, as only some of it is used
+    const struct light_visibility visibility = gather_visibility(g, p, &product);
     sampler.index = light_samples.first;
     if (samples < light_count && light_count <= FEW)
         return all_lights(g, p, mis, visibility, sampler);
@@ -123,21 +124,24 @@ rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
 }
 
 struct gather_met_light gather_meet_light(const struct gather *g, const struct light_chain *chain,
-                                          vec3 d, const vec3 *from, const struct interaction *hit) {
+                                          vec3 d, const struct light_receiver *from,
+                                          const struct interaction *hit) {
     struct gather_met_light met = {.Le = light_chain_emitted(chain, g->scene, hit, d)};
     struct light_connection to;
     met.direct = from && !rgb_black(met.Le) && light_chain_direct(chain, g->scene, d, hit, &to);
-    if (met.direct) met.light_pdf = gather_light_pdf(g, *from, &to, hit);
+    if (!met.direct) return met;
+    struct light_product product;
+    const struct light_visibility visibility = guide_visibility_at(g->visibility, from, &product);
+    met.light_pdf = gather_light_pdf(g, from->p, visibility, &to, hit);
     return met;
 }
 
-float gather_light_pdf(const struct gather *g, vec3 p, const struct light_connection *to,
-                       const struct interaction *hit) {
+float gather_light_pdf(const struct gather *g, vec3 p, struct light_visibility visibility,
+                       const struct light_connection *to, const struct interaction *hit) {
     const struct satin_scene *scene = g->scene;
     if (!hit && scene->environment < 0) return 0.0f;
-    const struct light_visibility visibility = guide_visibility_at(g->visibility, p);
     const uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
     const float choice = light_choose_probability(scene, p, visibility, light);
-    if (!hit) return choice * light_environment_pdf(scene, visibility.histogram, p, to->d);
+    if (!hit) return choice * light_environment_pdf(scene, visibility.product, to->d);
     return choice * light_connection_pdf(scene, p, to, hit);
 }

@@ -24,9 +24,10 @@ struct gather_segment_start {
     struct ray ray;
     float spread;       // width over distance of what the ray represents, for textures; 0: a point
     float alpha_least;  // least roughness of lobes at its end, if that is flat; 0: any
-    const vec3 *lit;  // the surface point that the ray leaves, against whose light samples emitted
-                      // light is weighted; NULL: emitted light is ignored
-    int depth;        // number of segments from the eye to that point
+    // The surface point that the ray leaves, against whose light samples emitted light is weighted;
+    // NULL: emitted light is ignored.
+    const struct light_receiver *lit;
+    int depth;  // number of segments from the eye to that point
 };
 
 // Results of tracing a segment.

@@ -121,8 +121,11 @@ size_t guide_visibility_bytes(const struct guide_visibility *visibility);
 // The aim at the openings through which the environment is visible; NULL if they are not small. It
 // is owned by `visibility`, which may be NULL.
 const struct light_aim *guide_visibility_aim(const struct guide_visibility *visibility);
-// The visibility of the lights around p, for sampling direct light. NULL: all is visible.
-struct light_visibility guide_visibility_at(const struct guide_visibility *visibility, vec3 p);
+// The visibility of the lights from a point, for sampling direct light, and in *product what the
+// result points to. NULL: all is visible.
+struct light_visibility guide_visibility_at(const struct guide_visibility *visibility,
+                                            const struct light_receiver *at,
+                                            struct light_product *product);
 
 // ---- Photon clusters (guide_clusters.c) -------------------------------------------------------
 

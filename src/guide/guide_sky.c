@@ -74,10 +74,13 @@ struct sky_learning {
     size_t maybes;
 };
 
-// Without an environment, as for a sun alone, the bins that are open to the outside are found as if
-// there were a constant one: what the sun lights there may light the room.
+// Relative to the light's strength, as its square has to be finite. Without an environment, as for
+// a sun alone, the bins that are open to the outside are found as if there were a constant one:
+// what the sun lights there may light the room.
 static float environment_luminance(const struct sky_learning *l, vec3 w) {
-    return l->visibility->sky ? rgb_luminance(light_environment(l->scene, w)) : 1.0f;
+    if (!l->visibility->sky) return 1.0f;
+    const float L = rgb_luminance(light_environment(l->scene, w));
+    return L > 0.0f ? L / l->scene->light[l->scene->environment].strength : 0.0f;
 }
 
 // What rays find of the environment: sums of the root of luminance times solid angle where it is
@@ -101,12 +104,13 @@ static bool leaves_box(const struct sky_learning *l, const struct guide_cell_poi
 }
 
 // Traces rays from the points through a bin, at most one per point. Adds the sum of the squares of
-// what the bin contributes to E, radiance times cosine times solid angle, and their number.
+// the radiance that is visible to those points that face the bin, and their number.
 static void trace_bin(struct sky_learning *l, size_t i, const struct guide_cell *cell, int bin,
                       int wanted, struct rng *rng, struct sky_tally *tally) {
     const size_t first = rng_u32(rng) % cell->count;
     const size_t rays = cell->count < (size_t)wanted ? cell->count : (size_t)wanted;
     float squares = 0.0f;
+    int facing = 0;
     tally->entered = 0;
     for (size_t k = 0; k < rays; k++) {
         const struct guide_cell_point *p = &cell->point[(first + k) % cell->count];
@@ -115,6 +119,7 @@ static void trace_bin(struct sky_learning *l, size_t i, const struct guide_cell 
         const vec3 w = light_box_direction(&l->visibility->box, p->p, bin, u, v, &density);
         if (!p->both && !(v3_dot(w, p->n) > 0.0f)) continue;
         const float L = environment_luminance(l, w);
+        facing++;
         if (!(L > 0.0f)) continue;
         tally->facing += sqrtf(L) / density;
         struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
@@ -124,10 +129,10 @@ static void trace_bin(struct sky_learning *l, size_t i, const struct guide_cell 
         }
         tally->visible += sqrtf(L) / density;
         tally->entered += v3_within(p->p, l->visibility->box.lo, l->visibility->box.hi);
-        squares += sqrf(L * v3_dot(w, p->n) / density);
+        squares += sqrf(L);
     }
     l->square[learned_at(i, (size_t)bin)] += squares;
-    l->traced[learned_at(i, (size_t)bin)] += (uint8_t)rays;
+    l->traced[learned_at(i, (size_t)bin)] += (uint8_t)facing;
 }
 
 static void begin_bins(const struct sky_learning *l, size_t i) {
@@ -287,8 +292,9 @@ static void mean_squares(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// The weight of a bin is the root mean square of what it contributes to E: by these densities the
-// sum of the variances at all points of the cell is least.
+// The weight of a bin is the root mean square of its visible radiance: by that times the cosine and
+// the solid angle of each point (light_product.c), the sum of the variances at all points of the
+// cell is least.
 static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
     const struct sky_learning *l = ctx;
     const struct light *light = &l->scene->light[l->scene->environment];
@@ -311,11 +317,10 @@ static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
                 beside = fmaxf(beside, found[around[k]]);
             weight[bin] = fmaxf(found[bin], BESIDE * beside);
         }
-        light_bins_build(weight, &visibility->bins[i]);
         const float hidden =
             light->kind == LIGHT_CONSTANT ? 1.0f : l->hidden[i / (l->cells / l->ranges)];
-        visibility->histogram[i] =
-            (struct light_histogram){FRACTION * hidden, &visibility->bins[i], &visibility->box};
+        light_histogram_build(weight, FRACTION * hidden, &visibility->blocks,
+                              &visibility->histogram[i]);
     }
 }
 
@@ -354,6 +359,7 @@ static bool learn_sky(struct sky_learning *l, struct parallel *pool) {
         .slot = {{l->square, LIGHT_HISTOGRAM_BINS * sizeof *l->square},
                  {l->traced, LIGHT_HISTOGRAM_BINS * sizeof *l->traced}},
         .journaled = true};
+    light_blocks_build(&l->visibility->box, l->open, &l->visibility->blocks);
     return parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
            parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
            parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);

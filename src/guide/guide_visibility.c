@@ -30,6 +30,15 @@ static bool has_far_light(const struct satin_scene *scene) {
 
 // ---- Lights -----------------------------------------------------------------------------------
 
+// Makes the product of a cell's histogram at a point of it. NULL if the cell has none.
+static const struct light_product *product_at(const struct light_histogram *histogram,
+                                              const struct light_receiver *at,
+                                              struct light_product *product) {
+    if (!(histogram->fraction > 0.0f)) return NULL;
+    light_product_make(histogram, at, product);
+    return product;
+}
+
 // The irradiance from one light at a point, by one sample.
 static float sample_arriving(const struct satin_scene *scene, uint32_t light,
                              struct light_visibility visibility, const struct guide_cell_point *p,
@@ -46,13 +55,14 @@ static float sample_arriving(const struct satin_scene *scene, uint32_t light,
 
 static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
     const struct guide_cell *cell = &l->visibility->cells.cell[i];
-    const struct light_histogram *histogram = &l->visibility->histogram[i];
-    const struct light_visibility visibility = {histogram->fraction > 0.0f ? histogram : NULL,
-                                                NULL};
     for (uint32_t light = 0; light < l->scene->light_count; light++) {
         float E = 0.0f, expected = 0.0f;
         for (size_t k = 0; k < (size_t)l->samples.light_rays; k++) {
             const struct guide_cell_point *p = &cell->point[k % cell->count];
+            const struct light_receiver at = {p->p, p->n, p->both};
+            struct light_product product;
+            const struct light_visibility visibility = {
+                product_at(&l->visibility->histogram[i], &at, &product), NULL};
             expected += light_estimate(l->scene, &l->scene->light[light], p->p);
             E += sample_arriving(l->scene, light, visibility, p, rng);
         }
@@ -145,18 +155,19 @@ const struct light_aim *guide_visibility_aim(const struct guide_visibility *visi
     return visibility && visibility->aim.openings ? &visibility->aim : NULL;
 }
 
-struct light_visibility guide_visibility_at(const struct guide_visibility *visibility, vec3 p) {
+struct light_visibility guide_visibility_at(const struct guide_visibility *visibility,
+                                            const struct light_receiver *at,
+                                            struct light_product *product) {
     if (!visibility) return LIGHT_ALL_VISIBLE;
-    const size_t i = guide_cells_find(&visibility->cells, p);
-    return (struct light_visibility){
-        visibility->histogram[i].fraction > 0.0f ? &visibility->histogram[i] : NULL,
-        visibility->choice ? visibility->visible[i] : NULL};
+    const size_t i = guide_cells_find(&visibility->cells, at->p);
+    return (struct light_visibility){product_at(&visibility->histogram[i], at, product),
+                                     visibility->choice ? visibility->visible[i] : NULL};
 }
 
 double guide_visibility_most(const struct satin_scene *scene) {
     const struct guide_visibility *v = NULL;
     if (has_far_light(scene)) return sizeof *v + guide_sky_most(scene);
-    return has_choice(scene) ? (double)(sizeof *v - sizeof v->histogram - sizeof v->bins) : 0.0;
+    return has_choice(scene) ? (double)(sizeof *v - sizeof v->histogram) : 0.0;
 }
 
 size_t guide_visibility_bytes(const struct guide_visibility *visibility) {

@@ -45,8 +45,8 @@ struct guide_visibility {
     struct light_box box;
     struct light_openings openings;  // of this box
     struct light_aim aim;            // at them
+    struct light_blocks blocks;
     struct light_histogram histogram[GUIDE_CELLS_MAX];
-    struct light_bins bins[GUIDE_CELLS_MAX];
     float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHTS_MAX];  // visible fraction of each light's
                                                         // estimate; > 0
 };

@@ -163,7 +163,7 @@ static bool draw(const struct satin_scene *scene, uint32_t i, struct light_visib
             return true;
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return light_environment_draw(scene, visibility.histogram, p, u, v, out);
+            return light_environment_draw(scene, visibility.product, u, v, out);
     }
     return false;
 }
@@ -180,7 +180,7 @@ bool light_sample_draw(const struct satin_scene *scene, uint32_t i,
 
 bool light_sample_read(const struct satin_scene *scene, struct light_visibility visibility,
                        struct light_sample *s) {
-    return !s->unread || light_environment_read(scene, visibility.histogram, s);
+    return !s->unread || light_environment_read(scene, visibility.product, s);
 }
 
 bool light_sample_visible(const struct satin_scene *scene, uint32_t i,

@@ -191,16 +191,16 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
 }
 
 // The density of drawing a direction, in the sun or not, given its densities by radiance and by the
-// bins of the histogram.
-static float mixed_pdf(const struct light *light, const struct light_histogram *histogram, bool sun,
+// bins of the product.
+static float mixed_pdf(const struct light *light, const struct light_product *product, bool sun,
                        float by_radiance, float by_bins) {
-    float pdf_w = histogram ? lerpf(by_radiance, by_bins, histogram->fraction) : by_radiance;
+    float pdf_w = product ? lerpf(by_radiance, by_bins, product->fraction) : by_radiance;
     pdf_w *= 1.0f - light->sun_fraction;
     return sun ? pdf_w + light->sun_fraction / sun_solid_angle(light) : pdf_w;
 }
 
-static float bins_pdf(const struct light_histogram *histogram, vec3 p, vec3 wi) {
-    return histogram ? light_histogram_pdf(histogram, p, wi) : 0.0f;
+static float bins_pdf(const struct light_product *product, vec3 wi) {
+    return product && product->fraction > 0.0f ? light_product_pdf(product, wi) : 0.0f;
 }
 
 // The density of drawing a direction by radiance. *L, if not NULL, is set to the radiance there.
@@ -261,51 +261,50 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
 
 // Sets L and the density of a sample, whose pdf_w is that by the bins, given the radiance without
 // the sun and the density by it. False if the sample contributes nothing.
-static bool set_radiance(const struct light *light, const struct light_histogram *histogram,
+static bool set_radiance(const struct light *light, const struct light_product *product,
                          float by_radiance, rgb L, struct light_sample *s) {
     s->L = s->in_sun ? rgb_add(L, light->sun_value) : L;
-    s->pdf_w = mixed_pdf(light, histogram, s->in_sun, by_radiance, s->pdf_w);
+    s->pdf_w = mixed_pdf(light, product, s->in_sun, by_radiance, s->pdf_w);
     return s->pdf_w > PDF_LEAST && !rgb_black(s->L);
 }
 
-bool light_environment_draw(const struct satin_scene *scene,
-                            const struct light_histogram *histogram, vec3 p, float u, float v,
-                            struct light_sample *out) {
+bool light_environment_draw(const struct satin_scene *scene, const struct light_product *product,
+                            float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
     const bool to_sun = light->sun_fraction > 0.0f && choose_with(light->sun_fraction, &u);
-    const bool to_bins = !to_sun && histogram && choose_with(histogram->fraction, &u);
+    const bool to_bins = !to_sun && product && choose_with(product->fraction, &u);
     float by_radiance = 0.0f, by_bins = 0.0f;
     *out =
         (struct light_sample){.dist = INFINITY, .L = rgb_grey(1.0f), .unread = to_sun || to_bins};
     if (to_sun)
         out->wi = sun_direction(light, u, v);
     else if (to_bins)
-        out->wi = light_histogram_sample(histogram, p, u, v, &by_bins);
+        out->wi = light_product_sample(product, u, v, &by_bins);
     else
         out->wi = sample_radiance(light, u, v, &by_radiance, &out->L);
-    if (!to_bins) by_bins = bins_pdf(histogram, p, out->wi);
+    if (!to_bins) by_bins = bins_pdf(product, out->wi);
     // At the edge of the sun, rounding may move the direction outside.
     out->in_sun = to_sun || in_sun(light, out->wi);
     out->pdf_w = by_bins;
-    return out->unread || set_radiance(light, histogram, by_radiance, out->L, out);
+    return out->unread || set_radiance(light, product, by_radiance, out->L, out);
 }
 
-bool light_environment_read(const struct satin_scene *scene,
-                            const struct light_histogram *histogram, struct light_sample *s) {
+bool light_environment_read(const struct satin_scene *scene, const struct light_product *product,
+                            struct light_sample *s) {
     const struct light *light = &scene->light[scene->environment];
     const rgb T = s->L;
     rgb L;
     const float by_radiance = radiance_pdf(light, s->wi, &L);
-    if (!set_radiance(light, histogram, by_radiance, L, s)) return false;
+    if (!set_radiance(light, product, by_radiance, L, s)) return false;
     s->L = rgb_mul(s->L, T);
     return true;
 }
 
-float light_environment_pdf(const struct satin_scene *scene,
-                            const struct light_histogram *histogram, vec3 p, vec3 wi) {
+float light_environment_pdf(const struct satin_scene *scene, const struct light_product *product,
+                            vec3 wi) {
     const struct light *light = &scene->light[scene->environment];
-    return mixed_pdf(light, histogram, in_sun(light, wi), radiance_pdf(light, wi, NULL),
-                     bins_pdf(histogram, p, wi));
+    return mixed_pdf(light, product, in_sun(light, wi), radiance_pdf(light, wi, NULL),
+                     bins_pdf(product, wi));
 }
 
 rgb light_environment(const struct satin_scene *scene, vec3 w) {

@@ -108,12 +108,17 @@ float light_texels_density(const struct light_face *face, vec2 st);
 // Builds the distribution of an envmap; sets strength and power. Fails with SATIN_ERROR_MEMORY.
 satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
 
-// ---- Histograms (light_histogram.c) -----------------------------------------------------------
+// ---- Boxes (light_box.c) and products (light_product.c) ---------------------------------------
 
-// Draws a direction from p by the bins; *pdf_w is its density over solid angle.
-vec3 light_histogram_sample(const struct light_histogram *histogram, vec3 p, float u, float v,
-                            float *pdf_w);
-float light_histogram_pdf(const struct light_histogram *histogram, vec3 p, vec3 w);
+// p, or the nearest point from which no face of the box is so near that its bins are at grazing
+// angles alone.
+vec3 light_box_inside(const struct light_box *box, vec3 p);
+// The width of a bin along an axis.
+float light_box_bin_width(const struct light_box *box, int axis);
+// Draws a direction by the blocks and bins of the product, whose fraction must be > 0. *pdf_w is
+// its density over solid angle.
+vec3 light_product_sample(const struct light_product *product, float u, float v, float *pdf_w);
+float light_product_pdf(const struct light_product *product, vec3 w);
 
 // ---- Beams (light_beam.c) ---------------------------------------------------------------------
 

@@ -109,8 +109,9 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
         // The i-th vertex has its own dimensions, independent of those used before.
         struct sampler own = {index, sampler.seed, 64u * (uint32_t)(i + 1)};
-        struct shade_lighting lighting = {shade,   &eye.vertex[i],         worker, own,
-                                          samples, rng_mix(pixel + index), pixel,  out};
+        struct shade_lighting lighting = {
+            shade, &eye.vertex[i],   worker, own, samples, rng_mix(pixel + index), pixel,
+            out,   LIGHT_ALL_VISIBLE};
         if (o->integrator == SATIN_PHOTONS)
             add_photon_radiance(&lighting);
         else if (o->integrator == SATIN_TWO_PASS && !o->final_gather)

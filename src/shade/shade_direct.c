@@ -22,7 +22,8 @@ static rgb find_light(const struct shade_lighting *lighting, unsigned lobes, flo
     struct light_found found;
     if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, panes, &found)) return none;
     const struct interaction *hit = found.environment ? NULL : &found.hit;
-    const float light_pdf = gather_light_pdf(g, p->interaction.p, &found.connection, hit);
+    const float light_pdf =
+        gather_light_pdf(g, p->interaction.p, lighting->visibility, &found.connection, hit);
     return rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf));
 }
 
@@ -64,6 +65,8 @@ int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays) {
         lighting, SHADE_DIRECT,
         gather_sample_lights(g, p, mis, samples.light, lighting->sampler, &by_light));
     lighting->sampler.dimension += 2;
+    struct light_product product;
+    lighting->visibility = gather_visibility(g, p, &product);
     if (by_diffuse) add_brdf_samples(lighting, diffuse, 1, 1, lighting->sampler.index);
     lighting->sampler.dimension += 2;
     if (glossy && of_glossy)

@@ -108,6 +108,7 @@ struct lobe_sampling {
 // Rays that are drawn, and for each the factor of its light, that of the diffuse lobe alone, that
 // of what caustic photons leave out, and its density.
 struct drawn_rays {
+    struct light_receiver from;
     struct gather_ray ray[SATIN_GLOSSY_SAMPLES_MAX];
     rgb weight[SATIN_GLOSSY_SAMPLES_MAX], diffuse[SATIN_GLOSSY_SAMPLES_MAX],
         caustic[SATIN_GLOSSY_SAMPLES_MAX];
@@ -141,6 +142,7 @@ static int draw_rays(const struct shade_lighting *lighting, const struct lobe_sa
     const struct shading_point *p = &lighting->vertex->point;
     const satin_options *o = lighting->shade->g->options;
     int rays = 0;
+    out->from = gather_receiver(p);
     for (int i = 0; i < by->count; i++) {
         const uint32_t index = lighting->sampler.index * (uint32_t)by->count + (uint32_t)i;
         struct brdf_sample b;
@@ -152,7 +154,7 @@ static int draw_rays(const struct shade_lighting *lighting, const struct lobe_sa
             .item = index,
             .spread = o->texture_filter ? width : 0.0f,
             .pdf_w = o->denoise ? b.pdf_w : 0.0f,
-            .lit = &p->interaction.p};
+            .lit = &out->from};
         out->weight[rays] = b.weight;
         out->diffuse[rays] = diffuse_weight(p, &b, by->lobes);
         const rgb glossy = rgb_sub(b.weight, out->diffuse[rays]);

@@ -15,6 +15,7 @@ struct shade_lighting {
     uint64_t stream;           // random numbers of this vertex of this sample
     uint64_t pixel_stream;     // random numbers that all samples of the pixel have in common
     struct shade_sample *out;  // the layers to which light is added, times the vertex's throughput
+    struct light_visibility visibility;  // of the lights, while shade_direct finds them
 };
 
 // Adds light that is from a record.

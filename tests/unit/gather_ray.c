@@ -51,18 +51,21 @@ static void light_is_weighted_at_the_start_of_a_ray(void **state) {
     struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     assert_non_null(scratch);
     const vec3 p = v3(0, 0, 0), up = v3(0, 0, 1);
+    const struct light_receiver from = {p, up, false};
     const float border[2] = {0.0f, 1e-30f};
     for (int i = 0; i < 2; i++) {
         const struct photon_maps maps = {.area = true};
         struct guide_visibility *visibility = cells_at(border[i]);
         const struct gather g = {
             .scene = &t.scene, .options = &options, .maps = &maps, .visibility = visibility};
-        struct gather_ray ray = {.ray = scene_spawn(&t.scene, p, up, up), .lit = &p};
+        struct gather_ray ray = {.ray = scene_spawn(&t.scene, p, up, up), .lit = &from};
         gather_rays(&g, scratch, &ray, 1, 0);
         assert_true(ray.ray.o.z > border[1]);
         assert_true(rgb_luminance(ray.Le) > 0.0f);
         const struct light_connection to = {.d = up, .exit = up, .spread = 1.0f};
-        assert_true(ray.light_pdf == gather_light_pdf(&g, p, &to, NULL));
+        struct light_product product;
+        const struct light_visibility at = guide_visibility_at(visibility, &from, &product);
+        assert_true(ray.light_pdf == gather_light_pdf(&g, p, at, &to, NULL));
         // A sky and a lamp that light p equally would get half of the samples each.
         assert_true(i == 0 ? ray.light_pdf > 0.4f / PI_F * 0.5f : ray.light_pdf < 0.05f / PI_F);
         free(visibility);

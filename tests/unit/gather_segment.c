@@ -29,8 +29,9 @@ static bool test_gather_segment_trace(const struct test_scene *t, vec3 p, vec3 d
     satin_options options = satin_options_default;
     const struct gather g = {.scene = &t->scene, .options = &options};
     struct sampler sampler = {0, 1, 0};
+    const struct light_receiver from = {p, v3(0, 0, 1), false};
     const struct gather_segment_start start = {
-        .ray = {p, 0.0f, v3_unit(d), INFINITY}, .lit = lit ? &p : NULL, .depth = 1};
+        .ray = {p, 0.0f, v3_unit(d), INFINITY}, .lit = lit ? &from : NULL, .depth = 1};
     return gather_segment_trace(&g, &start, &sampler, out, end);
 }
 

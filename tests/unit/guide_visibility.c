@@ -32,14 +32,15 @@ struct guide_visibility_tally {
 };
 
 // Counts samples at p on the floor, with normal z.
-static struct guide_visibility_tally guide_visibility_sample(
-    const struct test_scene *t, const struct light_histogram *histogram, vec3 p) {
+static struct guide_visibility_tally guide_visibility_sample(const struct test_scene *t,
+                                                             const struct light_product *product,
+                                                             vec3 p) {
     enum { SAMPLES = 1 << 16 };
     struct guide_visibility_tally tally = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const vec2 u = sample_sobol2(i, 3);
         struct light_sample s;
-        const struct light_visibility visibility = {histogram, NULL};
+        const struct light_visibility visibility = {product, NULL};
         assert_true(light_sample_visible(&t->scene, 0, visibility, p, u.x, u.y, &s));
         struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), s.wi);
         if (!(s.wi.z > 0.0f) || scene_occluded(&t->scene, &ray)) continue;
@@ -47,6 +48,13 @@ static struct guide_visibility_tally guide_visibility_sample(
         tally.E += (double)(s.wi.z / s.pdf_w) / SAMPLES;
     }
     return tally;
+}
+
+// The product at p on the floor. NULL if there is none.
+static const struct light_product *guide_visibility_product(const struct guide_visibility *all,
+                                                            vec3 p, struct light_product *out) {
+    const struct light_receiver at = {p, v3(0, 0, 1), false};
+    return guide_visibility_at(all, &at, out).product;
 }
 
 // Learns the visibility on that many threads.
@@ -80,10 +88,10 @@ static void samples_go_through_the_hole(void **state) {
     struct guide_visibility *all = begin(&t, true, 0, 2);
     for (int i = 0; i < 9; i++) {
         const vec3 p = v3(0.3f * (float)(i % 3 - 1), 0.3f * (float)(i / 3 - 1), -1.0f);
-        const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
-        assert_non_null(histogram);
+        struct light_product product;
+        assert_non_null(guide_visibility_product(all, p, &product));
         const struct guide_visibility_tally blind = guide_visibility_sample(&t, NULL, p),
-                                            guided = guide_visibility_sample(&t, histogram, p);
+                                            guided = guide_visibility_sample(&t, &product, p);
         assert_true(guided.visible > 30.0 * blind.visible && guided.visible > 0.6);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
@@ -96,7 +104,9 @@ static void the_box_ends_at_the_hole(void **state) {
     (void)state;
     struct test_scene t;
     struct guide_visibility *all = begin(&t, true, 0, 2);
-    const struct light_box *box = guide_visibility_at(all, v3(0, 0, -1)).histogram->box;
+    struct light_product product;
+    const struct light_box *box =
+        &guide_visibility_product(all, v3(0, 0, -1), &product)->histogram->blocks->box;
     print_message("face at %.3f\n", (double)box->hi.x);
     assert_true(box->hi.x > 0.95f && box->hi.x < 1.15f);
     end(&t, all);
@@ -113,9 +123,10 @@ static void few_rays_do_not_move_the_box(void **state) {
     for (uint64_t seed = 0; seed < 8; seed++) {
         struct guide_visibility *all = NULL;
         assert_int_equal(guide_visibility_build(&t.scene, seed, samples, pool, &all), SATIN_OK);
-        const struct light_histogram *histogram = guide_visibility_at(all, v3(0, 0, -1)).histogram;
-        assert_non_null(histogram);
-        const vec3 lo = histogram->box->lo, hi = histogram->box->hi;
+        struct light_product product;
+        assert_non_null(guide_visibility_product(all, v3(0, 0, -1), &product));
+        const struct light_box *box = &product.histogram->blocks->box;
+        const vec3 lo = box->lo, hi = box->hi;
         assert_true(fminf(hi.x, fminf(hi.y, hi.z)) > 0.95f && v3_max_abs(hi) < 1.15f);
         assert_true(fmaxf(lo.x, fmaxf(lo.y, lo.z)) < -0.95f && v3_max_abs(lo) < 1.15f);
         guide_visibility_free(all);
@@ -129,7 +140,8 @@ static void few_rays_do_not_move_the_box(void **state) {
 static double guide_visibility_rare(const struct test_scene *t, const struct guide_visibility *all,
                                     vec3 p) {
     enum { SAMPLES = 1 << 14 };
-    const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
+    struct light_product product;
+    assert_non_null(guide_visibility_product(all, p, &product));
     double rare = 0.0, E = 0.0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const vec2 u = sample_sobol2(i, 5);
@@ -137,8 +149,8 @@ static double guide_visibility_rare(const struct test_scene *t, const struct gui
         struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), w);
         if (scene_occluded(&t->scene, &ray)) continue;
         E += 1.0;
-        if (light_environment_pdf(&t->scene, histogram, p, w) <
-            light_environment_pdf(&t->scene, NULL, p, w))
+        if (light_environment_pdf(&t->scene, &product, w) <
+            light_environment_pdf(&t->scene, NULL, w))
             rare += 1.0;
     }
     return rare / E;
@@ -165,10 +177,10 @@ static void samples_of_an_open_floor_go_to_the_sky(void **state) {
     struct test_scene t;
     struct guide_visibility *all = begin(&t, false, 0, 1);
     const vec3 p = v3(0, 0, -1);
-    const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
-    assert_non_null(histogram);
+    struct light_product product;
+    assert_non_null(guide_visibility_product(all, p, &product));
     const struct guide_visibility_tally blind = guide_visibility_sample(&t, NULL, p),
-                                        guided = guide_visibility_sample(&t, histogram, p);
+                                        guided = guide_visibility_sample(&t, &product, p);
     assert_true(fabs(blind.visible - 0.5) < 0.01 && guided.visible > 0.85);
     assert_true(fabs(guided.E - M_PI) < 0.02);
     end(&t, all);
@@ -179,7 +191,8 @@ static void without_a_sky_there_is_no_histogram(void **state) {
     struct test_scene t;
     struct guide_visibility *all = begin(&t, true, 1, 1);
     assert_null(all);
-    assert_null(guide_visibility_at(all, v3(0, 0, 0)).histogram);
+    struct light_product unused;
+    assert_null(guide_visibility_product(all, v3(0, 0, 0), &unused));
     test_scene_free(&t);
 }
 
@@ -189,8 +202,10 @@ static void lamps_behind_walls_are_hardly_chosen(void **state) {
     struct test_scene t;
     struct guide_visibility *all = begin(&t, true, 2, 2);
     const vec3 p = v3(0.1f, 0.2f, -1);
-    const struct light_visibility visibility = guide_visibility_at(all, p);
-    assert_null(visibility.histogram);
+    const struct light_receiver at = {p, v3(0, 0, 1), false};
+    struct light_product unused;
+    const struct light_visibility visibility = guide_visibility_at(all, &at, &unused);
+    assert_null(visibility.product);
     assert_true(light_choose_probability(&t.scene, p, LIGHT_ALL_VISIBLE, 1) > 0.35f);
     const float behind = light_choose_probability(&t.scene, p, visibility, 1);
     assert_true(behind > 0.01f && behind < 0.2f);
@@ -207,10 +222,13 @@ static void threads_do_not_change_visibility(void **state) {
                             *three = guide_visibility_look(&t, 3, BIN_RAYS);
     for (int i = 0; i < 64; i++) {
         const vec3 p = v3(0.06f * (float)(i % 8) - 0.2f, 0.06f * (float)(i / 8) - 0.2f, -1.0f);
-        const struct light_histogram *a = guide_visibility_at(one, p).histogram;
-        const struct light_histogram *b = guide_visibility_at(three, p).histogram;
-        assert_memory_equal(a->bins, b->bins, sizeof *a->bins);
-        assert_memory_equal(a->box, b->box, sizeof *a->box);
+        struct light_product of_one, of_three;
+        const struct light_histogram *a = guide_visibility_product(one, p, &of_one)->histogram,
+                                     *b = guide_visibility_product(three, p, &of_three)->histogram;
+        assert_true(a->fraction == b->fraction);
+        assert_memory_equal(a->weight, b->weight, sizeof a->weight);
+        assert_memory_equal(a->bin, b->bin, sizeof a->bin);
+        assert_memory_equal(&a->blocks->box, &b->blocks->box, sizeof a->blocks->box);
     }
     guide_visibility_free(one);
     guide_visibility_free(three);

@@ -49,7 +49,7 @@ static inline int test_light_cell(const struct frame *f, vec3 w) {
 static inline float test_reported_density(const struct satin_scene *scene, uint32_t light, vec3 p,
                                           vec3 w) {
     enum light_kind kind = scene->light[light].kind;
-    if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, p, w);
+    if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, w);
     struct ray ray = {p, 0.0f, w, INFINITY};
     struct interaction s;
     if (!scene_intersect(scene, &ray, &s) || s.light != (int32_t)light) return 0.0f;

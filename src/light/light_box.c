@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visible-environment histograms: directions in bins on the faces of a box around the scene's
-// points, drawn where a cell of the scene has found the environment visible. Bins of directions
-// would show a window in another one from each point of the cell. Within a bin, directions are
-// uniform over its area.
+// Directions in bins on the faces of a box around the scene's points: bins of directions would show
+// a window in another one from each point. Within a bin, directions are uniform over its area.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
-enum {
-    FACE_SIDE = LIGHT_HISTOGRAM_SIDE,
-    ROWS = LIGHT_HISTOGRAM_ROWS,
-    LINE_FLOATS = 16  // floats of a cache line
-};
+enum { FACE_SIDE = LIGHT_HISTOGRAM_SIDE, ROWS = LIGHT_HISTOGRAM_ROWS };
 
 // The least distance from the faces, in bins: .15, .5 and 1 of them leave a variance of direct
 // light of .0120, .0114 and .0111 in a room with windows, and of .046, .033 and .025 at a window's
@@ -22,17 +16,16 @@ struct light_box light_box_make(vec3 lo, vec3 hi) {
     return (struct light_box){lo, hi, {v3_add(lo, margin), v3_sub(hi, margin)}};
 }
 
-static vec3 move_inside(const struct light_box *box, vec3 p) {
+vec3 light_box_inside(const struct light_box *box, vec3 p) {
     return v3_min(v3_max(p, box->inside.lo), box->inside.hi);
 }
 
-// The width of a bin along an axis.
-static float bin_width(const struct light_box *box, int axis) {
+float light_box_bin_width(const struct light_box *box, int axis) {
     return (v3_along(box->hi, axis) - v3_along(box->lo, axis)) / FACE_SIDE;
 }
 
 float light_box_bin_area(const struct light_box *box, int axis) {
-    return bin_width(box, (axis + 1) % 3) * bin_width(box, (axis + 2) % 3);
+    return light_box_bin_width(box, (axis + 1) % 3) * light_box_bin_width(box, (axis + 2) % 3);
 }
 
 // Faces are numbered by the axis of their normals, the lower one first. Rows are along the next
@@ -43,15 +36,15 @@ vec3 light_box_point(const struct light_box *box, int bin, float u, float v) {
     const int axis = face / 2, next = (axis + 1) % 3, last = (axis + 2) % 3;
     float q[3];
     q[axis] = v3_along(face % 2 ? box->hi : box->lo, axis);
-    q[next] = v3_along(box->lo, next) + ((float)column + v) * bin_width(box, next);
-    q[last] = v3_along(box->lo, last) + ((float)row + u) * bin_width(box, last);
+    q[next] = v3_along(box->lo, next) + ((float)column + v) * light_box_bin_width(box, next);
+    q[last] = v3_along(box->lo, last) + ((float)row + u) * light_box_bin_width(box, last);
     return v3(q[0], q[1], q[2]);
 }
 
 vec3 light_box_direction(const struct light_box *box, vec3 p, int bin, float u, float v,
                          float *density) {
     const int axis = bin / (FACE_SIDE * FACE_SIDE) / 2;
-    const vec3 d = v3_sub(light_box_point(box, bin, u, v), move_inside(box, p));
+    const vec3 d = v3_sub(light_box_point(box, bin, u, v), light_box_inside(box, p));
     const float t2 = v3_dot(d, d), t = sqrtf(t2);
     *density = t2 * t / (fabsf(v3_along(d, axis)) * light_box_bin_area(box, axis));
     return v3_mul(d, 1.0f / t);
@@ -63,7 +56,7 @@ static int clamp_bin(float x) {
 }
 
 int light_box_bin(const struct light_box *box, vec3 p, vec3 w, float *density) {
-    const vec3 x = move_inside(box, p);
+    const vec3 x = light_box_inside(box, p);
     int axis = 0;
     float t = INFINITY;
     for (int i = 0; i < 3; i++) {
@@ -75,7 +68,7 @@ int light_box_bin(const struct light_box *box, vec3 p, vec3 w, float *density) {
         axis = i;
     }
     const int next = (axis + 1) % 3, last = (axis + 2) % 3;
-    const float side = bin_width(box, next), height = bin_width(box, last);
+    const float side = light_box_bin_width(box, next), height = light_box_bin_width(box, last);
     const vec3 q = v3_sub(v3_mad(x, t, w), box->lo);
     const int face = 2 * axis + (v3_along(w, axis) > 0.0f);
     *density = t * t / (fabsf(v3_along(w, axis)) * side * height);
@@ -99,28 +92,9 @@ void light_bins_build(const float weight[LIGHT_HISTOGRAM_BINS], struct light_bin
     for (size_t row = 0; row < ROWS; row++)
         sum[row] = (float)sample_cdf_build(weight + row * FACE_SIDE, FACE_SIDE, out->column[row]);
     sample_cdf_build(sum, ROWS, out->row);
-    sample_cuts_build(out->row, ROWS, LIGHT_HISTOGRAM_CUTS, out->row_cut);
 }
 
 float light_bins_probability(const struct light_bins *bins, int row, int column) {
     return (bins->row[row + 1] - bins->row[row]) *
            (bins->column[row][column + 1] - bins->column[row][column]);
-}
-
-vec3 light_histogram_sample(const struct light_histogram *histogram, vec3 p, float u, float v,
-                            float *pdf_w) {
-    const struct light_bins *bins = histogram->bins;
-    const int row = (int)sample_cdf_cut(bins->row, bins->row_cut, LIGHT_HISTOGRAM_CUTS, u, &u);
-    for (int i = 0; i < FACE_SIDE; i += LINE_FLOATS) __builtin_prefetch(&bins->column[row][i]);
-    const int column = (int)sample_cdf(bins->column[row], FACE_SIDE, v, &v);
-    float density;
-    const vec3 w = light_box_direction(histogram->box, p, row * FACE_SIDE + column, u, v, &density);
-    *pdf_w = light_bins_probability(bins, row, column) * density;
-    return w;
-}
-
-float light_histogram_pdf(const struct light_histogram *histogram, vec3 p, vec3 w) {
-    float density;
-    const int bin = light_box_bin(histogram->box, p, w, &density);
-    return light_bins_probability(histogram->bins, bin / FACE_SIDE, bin % FACE_SIDE) * density;
 }
