@@ -8,6 +8,8 @@
 #include "light/light_kinds.h"
 
 enum { BLOCK_SIDE = LIGHT_BLOCK_SIDE, BLOCK_COLUMNS = LIGHT_BLOCK_COLUMNS };
+// The largest weight of a bin.
+static const float BIN_MOST = 255.0f;
 
 // ---- The histogram ------------------------------------------------------------------------------
 
@@ -52,6 +54,22 @@ void light_blocks_build(const struct light_box *box, const bool bin[LIGHT_HISTOG
     out->face[6] = out->rows;
 }
 
+// Sets the weights of a block and of its bins, of which the first has this one.
+static void set_block(const float *first, float scale, size_t block, struct light_histogram *out) {
+    float most = 0.0f, sum = 0.0f;
+    for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
+        const float w = first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
+        most = maxf(most, w);
+        sum += scale * w;
+    }
+    for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
+        const float w = first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
+        out->bin[block][i / BLOCK_SIDE][i % BLOCK_SIDE] =
+            w > 0.0f ? (uint8_t)ceilf(BIN_MOST * (w / most)) : 0;
+    }
+    out->weight[block] = sum;
+}
+
 void light_histogram_build(const float weight[LIGHT_HISTOGRAM_BINS], float fraction,
                            const struct light_blocks *blocks, struct light_histogram *out) {
     float most = 0.0f;
@@ -60,13 +78,8 @@ void light_histogram_build(const float weight[LIGHT_HISTOGRAM_BINS], float fract
     out->blocks = blocks;
     for (size_t at = 0; at < blocks->rows; at++)
         for (size_t block = blocks->first[at]; block < blocks->first[at + 1]; block++) {
-            out->weight[block] = 0.0f;
-            for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
-                const size_t y = i / BLOCK_SIDE, x = i % BLOCK_SIDE;
-                const size_t bin = bin_in_block(blocks->row[at], blocks->column[block], y, x);
-                out->bin[block][y][x] = weight[bin] / most;
-                out->weight[block] += out->bin[block][y][x];
-            }
+            const size_t first = bin_in_block(blocks->row[at], blocks->column[block], 0, 0);
+            set_block(weight + first, 1.0f / most, block, out);
         }
 }
 
@@ -153,11 +166,15 @@ static size_t draw_item(const float *weight, size_t n, float sum, float *u) {
     return last;
 }
 
-// The probability of one bin of a block.
-static float bin_probability(const struct light_product *product, size_t block, size_t row,
-                             size_t column) {
-    const struct light_histogram *h = product->histogram;
-    return product->block[block] / product->sum * (h->bin[block][row][column] / h->weight[block]);
+// The sums of the weights of the bins in each row of a block. Returns the sum of all.
+static float sum_rows(const struct light_histogram *h, size_t block, float sum[BLOCK_SIDE]) {
+    float all = 0.0f;
+    for (size_t i = 0; i < BLOCK_SIDE; i++) {
+        const uint8_t *bin = h->bin[block][i];
+        sum[i] = (float)(bin[0] + bin[1] + bin[2] + bin[3]);
+        all += sum[i];
+    }
+    return all;
 }
 
 vec3 light_product_sample(const struct light_product *product, float u, float v, float *pdf_w) {
@@ -167,33 +184,33 @@ vec3 light_product_sample(const struct light_product *product, float u, float v,
                  first = blocks->first[at];
     const size_t block = first + draw_item(product->block + first, blocks->first[at + 1] - first,
                                            product->row[at], &v);
-    float row_weight[BLOCK_SIDE];
-    for (size_t i = 0; i < BLOCK_SIDE; i++) {
-        const float *bin = h->bin[block][i];
-        row_weight[i] = bin[0] + bin[1] + bin[2] + bin[3];
-    }
-    const size_t row = draw_item(row_weight, BLOCK_SIDE, h->weight[block], &u);
-    const size_t column = draw_item(h->bin[block][row], BLOCK_SIDE, row_weight[row], &v);
+    float row_weight[BLOCK_SIDE], bin_weight[BLOCK_SIDE];
+    const float all = sum_rows(h, block, row_weight);
+    const size_t row = draw_item(row_weight, BLOCK_SIDE, all, &u);
+    for (size_t i = 0; i < BLOCK_SIDE; i++) bin_weight[i] = (float)h->bin[block][row][i];
+    const size_t column = draw_item(bin_weight, BLOCK_SIDE, row_weight[row], &v);
     const int bin = (int)bin_in_block(blocks->row[at], blocks->column[block], row, column);
     float density;
     const vec3 w = light_box_direction(&blocks->box, product->p, bin, u, v, &density);
-    *pdf_w = bin_probability(product, block, row, column) * density;
+    *pdf_w = product->block[block] / product->sum * (bin_weight[column] / all) * density;
     return w;
 }
 
 float light_product_pdf(const struct light_product *product, vec3 w) {
-    const struct light_blocks *blocks = product->histogram->blocks;
+    const struct light_histogram *h = product->histogram;
+    const struct light_blocks *blocks = h->blocks;
     float density;
     const size_t bin = (size_t)light_box_bin(&blocks->box, product->p, w, &density);
     const size_t row = bin / LIGHT_HISTOGRAM_SIDE, column = bin % LIGHT_HISTOGRAM_SIDE;
     size_t at = blocks->face[row / LIGHT_HISTOGRAM_SIDE];
     while (at < blocks->rows && blocks->row[at] < row / BLOCK_SIDE) at++;
     if (at == blocks->rows || blocks->row[at] != row / BLOCK_SIDE) return 0.0f;
-    for (size_t i = blocks->first[at]; i < blocks->first[at + 1]; i++)
-        if (blocks->column[i] == column / BLOCK_SIDE)
-            return product->block[i] > 0.0f
-                       ? bin_probability(product, i, row % BLOCK_SIDE, column % BLOCK_SIDE) *
-                             density
-                       : 0.0f;
-    return 0.0f;
+    size_t block = blocks->first[at];
+    const size_t end = blocks->first[at + 1];
+    while (block < end && blocks->column[block] != column / BLOCK_SIDE) block++;
+    if (block == end || !(product->block[block] > 0.0f)) return 0.0f;
+    float row_weight[BLOCK_SIDE];
+    const float all = sum_rows(h, block, row_weight);
+    const float of_bin = (float)h->bin[block][row % BLOCK_SIDE][column % BLOCK_SIDE];
+    return product->block[block] / product->sum * (of_bin / all) * density;
 }

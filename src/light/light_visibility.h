@@ -57,8 +57,9 @@ struct light_blocks {
 struct light_histogram {
     float fraction;  // of the samples, in [0, 1)
     const struct light_blocks *blocks;
-    float weight[LIGHT_BLOCKS];                                   // sums of those of their bins
-    float bin[LIGHT_BLOCKS][LIGHT_BLOCK_SIDE][LIGHT_BLOCK_SIDE];  // weights, row by row
+    float weight[LIGHT_BLOCKS];  // sums of those of their bins
+    // Weights of the bins, row by row, of which the largest of a block is 255 and 0 is none.
+    uint8_t bin[LIGHT_BLOCKS][LIGHT_BLOCK_SIDE][LIGHT_BLOCK_SIDE];
 };
 
 // A point that receives light.
