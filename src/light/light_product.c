@@ -8,8 +8,6 @@
 #include "light/light_kinds.h"
 
 enum { BLOCK_SIDE = LIGHT_BLOCK_SIDE, BLOCK_COLUMNS = LIGHT_BLOCK_COLUMNS };
-// The largest weight of a bin.
-static const float BIN_MOST = 255.0f;
 
 // ---- The histogram ------------------------------------------------------------------------------
 
@@ -54,33 +52,51 @@ void light_blocks_build(const struct light_box *box, const bool bin[LIGHT_HISTOG
     out->face[6] = out->rows;
 }
 
-// Sets the weights of a block and of its bins, of which the first has this one.
-static void set_block(const float *first, float scale, size_t block, struct light_histogram *out) {
-    float most = 0.0f, sum = 0.0f;
+// The largest bin of a block of weights, of which the first is this one, and the sum of all.
+static float largest_of_block(const float *first, float *sum) {
+    float most = *sum = 0.0f;
     for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
         const float w = first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
         most = maxf(most, w);
-        sum += scale * w;
+        *sum += w;
     }
+    return most;
+}
+
+static float steps_of(float weight, float largest, float steps) {
+    return weight > 0.0f ? ceilf(steps * (weight / largest)) : 0.0f;
+}
+
+// Sets the weights of a block and of its bins, given the largest sum of a block.
+static void set_block(const float *first, float largest, size_t block,
+                      struct light_histogram *out) {
+    float sum;
+    const float most = largest_of_block(first, &sum);
+    out->weight[block] = (uint16_t)steps_of(sum, largest, UINT16_MAX);
     for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
         const float w = first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
-        out->bin[block][i / BLOCK_SIDE][i % BLOCK_SIDE] =
-            w > 0.0f ? (uint8_t)ceilf(BIN_MOST * (w / most)) : 0;
+        out->bin[block][i / BLOCK_SIDE][i % BLOCK_SIDE] = (uint8_t)steps_of(w, most, UINT8_MAX);
     }
-    out->weight[block] = sum;
 }
 
 void light_histogram_build(const float weight[LIGHT_HISTOGRAM_BINS], float fraction,
                            const struct light_blocks *blocks, struct light_histogram *out) {
-    float most = 0.0f;
-    for (int i = 0; i < LIGHT_HISTOGRAM_BINS; i++) most = maxf(most, weight[i]);
+    float largest = 0.0f;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t at = 0; at < blocks->rows; at++)
+            for (size_t block = blocks->first[at]; block < blocks->first[at + 1]; block++) {
+                const float *first =
+                    weight + bin_in_block(blocks->row[at], blocks->column[block], 0, 0);
+                float sum;
+                if (pass == 0) {
+                    largest_of_block(first, &sum);
+                    largest = maxf(largest, sum);
+                } else {
+                    set_block(first, largest, block, out);
+                }
+            }
     out->fraction = fraction;
     out->blocks = blocks;
-    for (size_t at = 0; at < blocks->rows; at++)
-        for (size_t block = blocks->first[at]; block < blocks->first[at + 1]; block++) {
-            const size_t first = bin_in_block(blocks->row[at], blocks->column[block], 0, 0);
-            set_block(weight + first, 1.0f / most, block, out);
-        }
 }
 
 // ---- The product --------------------------------------------------------------------------------
@@ -122,7 +138,7 @@ static void set_block_weights(const struct light_histogram *h, const struct face
         const float along = face->n.x * x + face->n.y * y + face->n.z * z;
         const float above = maxf((face->both ? fabsf(along) : along) + r, 0.0f);
         const float t2 = x * x + y * y + z * z + r * r;
-        weight[i] = h->weight[i] * face->height * above / (t2 * t2);
+        weight[i] = (float)h->weight[i] * face->height * above / (t2 * t2);
     }
 }
 

@@ -57,7 +57,8 @@ struct light_blocks {
 struct light_histogram {
     float fraction;  // of the samples, in [0, 1)
     const struct light_blocks *blocks;
-    float weight[LIGHT_BLOCKS];  // sums of those of their bins
+    // Sums of those of their bins, of which the largest is 65535 and 0 is none.
+    uint16_t weight[LIGHT_BLOCKS];
     // Weights of the bins, row by row, of which the largest of a block is 255 and 0 is none.
     uint8_t bin[LIGHT_BLOCKS][LIGHT_BLOCK_SIDE][LIGHT_BLOCK_SIDE];
 };
