@@ -63,7 +63,7 @@ static float largest_of_block(const float *first, float *sum) {
     return most;
 }
 
-static float steps_of(float weight, float largest, float steps) {
+static float weight_in_steps(float weight, float largest, float steps) {
     return weight > 0.0f ? ceilf(steps * (weight / largest)) : 0.0f;
 }
 
@@ -72,10 +72,11 @@ static void set_block(const float *first, float largest, size_t block,
                       struct light_histogram *out) {
     float sum;
     const float most = largest_of_block(first, &sum);
-    out->weight[block] = (uint16_t)steps_of(sum, largest, UINT16_MAX);
+    out->weight[block] = (uint16_t)weight_in_steps(sum, largest, UINT16_MAX);
     for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
         const float w = first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
-        out->bin[block][i / BLOCK_SIDE][i % BLOCK_SIDE] = (uint8_t)steps_of(w, most, UINT8_MAX);
+        out->bin[block][i / BLOCK_SIDE][i % BLOCK_SIDE] =
+            (uint8_t)weight_in_steps(w, most, UINT8_MAX);
     }
 }
 
