@@ -118,8 +118,9 @@ void guide_visibility_free(struct guide_visibility *visibility);  // NULL is all
 // The most bytes that it can have in this scene.
 double guide_visibility_most(const struct satin_scene *scene);
 size_t guide_visibility_bytes(const struct guide_visibility *visibility);
-// How many of these bytes were never written, and so take no memory.
-size_t guide_visibility_unused(const struct guide_visibility *visibility);
+// How many of the bytes of guide_visibility_most were never written, and so take no memory.
+size_t guide_visibility_unused(const struct satin_scene *scene,
+                               const struct guide_visibility *visibility);
 // The aim at the openings through which the environment is visible; NULL if they are not small. It
 // is owned by `visibility`, which may be NULL.
 const struct light_aim *guide_visibility_aim(const struct guide_visibility *visibility);

@@ -174,8 +174,9 @@ size_t guide_visibility_bytes(const struct guide_visibility *visibility) {
     return visibility ? sizeof *visibility : 0;
 }
 
-size_t guide_visibility_unused(const struct guide_visibility *visibility) {
-    if (!visibility) return 0;
+size_t guide_visibility_unused(const struct satin_scene *scene,
+                               const struct guide_visibility *visibility) {
+    if (!visibility || !has_far_light(scene)) return 0;
     const struct light_histogram *h = visibility->histogram;
     const struct light_blocks *blocks = &visibility->blocks;
     const size_t used = blocks->first[blocks->rows] * (sizeof *h->weight + sizeof *h->bin);

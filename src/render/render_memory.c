@@ -265,7 +265,7 @@ void render_memory_end(struct render *r) {
         log_message(limit_log(r), SATIN_LOG_WARNING,
                     "option memory: no records beyond %zu; where they are missing, samples gather",
                     cache_count_all(cache));
-    const double unused = (double)guide_visibility_unused(r->first_pass.visibility);
+    const double unused = (double)guide_visibility_unused(&r->scene, r->first_pass.visibility);
     stats_set(&r->stats, "memory.estimate_bytes",
               renders_at_once(r) * (m->kept - unused + parallel_threads(r->pool) * m->thread +
                                     fmax(m->photons, later)));
