@@ -52,50 +52,43 @@ void light_blocks_build(const struct light_box *box, const bool bin[LIGHT_HISTOG
     out->face[6] = out->rows;
 }
 
-// The largest bin of a block of weights, of which the first is this one, and the sum of all.
-static float largest_of_block(const float *first, float *sum) {
-    float most = *sum = 0.0f;
-    for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
-        const float w = first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
-        most = maxf(most, w);
-        *sum += w;
-    }
-    return most;
+// The weight of a bin of a block, of which the first has this one.
+static float weight_in_block(const float *first, size_t i) {
+    return first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
+}
+
+static float sum_block(const float *first) {
+    float sum = 0.0f;
+    for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) sum += weight_in_block(first, i);
+    return sum;
 }
 
 static float weight_in_steps(float weight, float largest, float steps) {
     return weight > 0.0f ? ceilf(steps * (weight / largest)) : 0.0f;
 }
 
-// Sets the weights of a block and of its bins, given the largest sum of a block.
-static void set_block(const float *first, float largest, size_t block,
-                      struct light_histogram *out) {
-    float sum;
-    const float most = largest_of_block(first, &sum);
-    out->weight[block] = (uint16_t)weight_in_steps(sum, largest, UINT16_MAX);
-    for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
-        const float w = first[i / BLOCK_SIDE * LIGHT_HISTOGRAM_SIDE + i % BLOCK_SIDE];
-        out->bin[block][i / BLOCK_SIDE][i % BLOCK_SIDE] =
-            (uint8_t)weight_in_steps(w, most, UINT8_MAX);
-    }
+static void set_bins(const float *first, uint8_t bin[BLOCK_SIDE][BLOCK_SIDE]) {
+    float most = 0.0f;
+    for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++)
+        most = maxf(most, weight_in_block(first, i));
+    for (size_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++)
+        bin[i / BLOCK_SIDE][i % BLOCK_SIDE] =
+            (uint8_t)weight_in_steps(weight_in_block(first, i), most, UINT8_MAX);
 }
 
 void light_histogram_build(const float weight[LIGHT_HISTOGRAM_BINS], float fraction,
                            const struct light_blocks *blocks, struct light_histogram *out) {
-    float largest = 0.0f;
-    for (int pass = 0; pass < 2; pass++)
-        for (size_t at = 0; at < blocks->rows; at++)
-            for (size_t block = blocks->first[at]; block < blocks->first[at + 1]; block++) {
-                const float *first =
-                    weight + bin_in_block(blocks->row[at], blocks->column[block], 0, 0);
-                float sum;
-                if (pass == 0) {
-                    largest_of_block(first, &sum);
-                    largest = maxf(largest, sum);
-                } else {
-                    set_block(first, largest, block, out);
-                }
-            }
+    float sum[LIGHT_BLOCKS], largest = 0.0f;
+    const size_t count = blocks->first[blocks->rows];
+    for (size_t at = 0; at < blocks->rows; at++)
+        for (size_t i = blocks->first[at]; i < blocks->first[at + 1]; i++) {
+            const float *first = weight + bin_in_block(blocks->row[at], blocks->column[i], 0, 0);
+            sum[i] = sum_block(first);
+            largest = maxf(largest, sum[i]);
+            set_bins(first, out->bin[i]);
+        }
+    for (size_t i = 0; i < count; i++)
+        out->weight[i] = (uint16_t)weight_in_steps(sum[i], largest, UINT16_MAX);
     out->fraction = fraction;
     out->blocks = blocks;
 }
