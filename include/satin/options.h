@@ -116,6 +116,7 @@ typedef struct satin_options {
     bool refine_lookups;    // the estimate is gathered anew where glossy lobes show its noise
     bool guide_clusters;    // additional gather rays towards clusters of photons
     bool guide_visibility;  // direct light is sampled by the visibility of the lights
+    bool noise_filter;      // noisy light is averaged over pixels that look the same
     bool texture_filter;    // bitmaps are averaged over a ray's footprint
 
     // Irradiance cache (diffuse surfaces).

@@ -33,6 +33,7 @@ const satin_options satin_options_default = {
     .guide_visibility = true,
     .irradiance_cache = true,
     .irradiance_filter = true,
+    .noise_filter = true,
     .irradiance_gradients = SATIN_GRADIENTS_STRATIFIED,
     .irradiance_gradient_clamp = true,
     .irradiance_neighbour_clamp = true,

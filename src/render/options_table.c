@@ -148,6 +148,11 @@ const struct option options_table[] = {
      "Samples direct light by the fraction of each light that is visible near the point, for "
      "example of the sky through windows, and starts photons of the sky and of the sun through "
      "these openings. It has an effect with integrator two-pass."},
+    {"noise-filter", OPTION_BOOL, AT(noise_filter), false, "off|on",
+     "Averages direct light, and glossy light that no record carries, over pixels up to 5 away "
+     "that "
+     "look the same within their noise, by non-local means. It has an effect with integrator "
+     "two-pass, if the image is not denoised and if it takes less than a quarter of a time limit."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
      "Averages bitmaps over the footprint of an eye ray or gather ray, and widens glossy lobes at "
      "the hits of a record's rays to the solid angle for which the ray stands. Integrator path "

@@ -65,6 +65,9 @@ static const double FILTER_SECONDS = 4.5e-5;
 // a tenth, the filter by a quarter and more. And its longest time after a cancellation [s].
 static const double FILTER_FRACTION = 0.1, FILTER_CANCELLED = 0.5;
 
+// The time of the filter of noise at one pixel [core s], and the largest fraction of the limit.
+static const double NOISE_FILTER_SECONDS = 3.7e-6, NOISE_FILTER_FRACTION = 0.25;
+
 enum {
     EQUAL_LEAST = 2,     // least number of samples per pixel that are distributed equally
     EQUAL_FRACTION = 4,  // of many samples, one in this number is distributed equally
@@ -165,11 +168,24 @@ bool render_budget_filters(const struct render *r) {
     return seconds <= FILTER_FRACTION * time_limit(r);
 }
 
+static double noise_filter_estimate(const struct render *r) {
+    if (!r->image || !r->image->noisy_light) return 0.0;
+    const double pixels = (double)r->options.width * (double)r->options.height;
+    return NOISE_FILTER_SECONDS * pixels / parallel_threads(r->pool);
+}
+
+bool render_budget_filters_noise(const struct render *r) {
+    const double seconds = noise_filter_estimate(r);
+    if (render_cancelled(r)) return seconds <= FILTER_CANCELLED;
+    return seconds <= NOISE_FILTER_FRACTION * time_limit(r);
+}
+
 static double finish_seconds(const struct render *r) {
     const double pixels = (double)r->options.width * (double)r->options.height;
     const double filter = render_budget_filters(r) ? filter_estimate(r) : 0.0;
     const double rims = render_has_rims(r) ? RIMS_SECONDS : 0.0;
-    return WRITE_SECONDS + filter +
+    const double noise = render_budget_filters_noise(r) ? noise_filter_estimate(r) : 0.0;
+    return WRITE_SECONDS + filter + noise +
            (r->progress.write_pixel_seconds + rims) * pixels / parallel_threads(r->pool) +
            denoise_seconds(r);
 }

@@ -277,5 +277,7 @@ enum { RENDER_CHECKPOINT_SECONDS = 60 };
 bool render_budget_denoises(const struct render *r);
 // Whether irradiance is filtered where no record is near, likewise.
 bool render_budget_filters(const struct render *r);
+// Whether noise is filtered, likewise.
+bool render_budget_filters_noise(const struct render *r);
 
 #endif

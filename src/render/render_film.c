@@ -163,6 +163,15 @@ static void filter_irradiance(const struct filming *f, size_t at,
     add_to_channel(&f->planes, CHANNEL_LAYERS + 3 * SHADE_INDIRECT_DIFFUSE, at, change);
 }
 
+static void add_noise_change(const struct filming *f, size_t at, const struct image_pixel *source) {
+    const struct image_change *change = &f->image->change[source - f->image->pixel];
+    static const enum shade_layer layers[NOISY_LAYERS] = {SHADE_DIRECT, SHADE_INDIRECT_GLOSSY};
+    for (int k = 0; k < NOISY_LAYERS; k++) {
+        add_to_channel(&f->planes, 0, at, change->layer[k]);
+        add_to_channel(&f->planes, CHANNEL_LAYERS + 3 * (int)layers[k], at, change->layer[k]);
+    }
+}
+
 // Whether the sums of samples have left the range of float, which are written as 0.
 static bool has_overflowed(const struct channel_planes *planes, size_t at) {
     for (int c = 0; c < 3; c++) {
@@ -189,6 +198,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
         filled += source != pixel;
         render_film_put(image, &f->planes, at, source);
         if (source && f->filters) filter_irradiance(f, at, source);
+        if (source && image->change) add_noise_change(f, at, source);
         dropped += has_overflowed(&f->planes, at);
     }
     atomic_fetch_add(&f->samples, samples);
@@ -206,6 +216,7 @@ void render_image_film(struct render *r, bool *any) {
     atomic_init(&f.dropped, 0);
     atomic_init(&f.filled, 0);
     f.planes = render_film_planes(image, image->film);
+    parallel_begin_part(r->pool, "film");
     // The film grows by as much as the sums of the pixels shrink, so that both are never in memory
     // at the same time. A row reads pixels of its own band alone (render_image_source).
     render_adaptive_destroy(&r->image->adapt);

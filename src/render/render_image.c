@@ -22,6 +22,8 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
     if (options->integrator == SATIN_PATH && !options->denoise)
         bytes += sizeof(struct image_blocks);
     if (render_irradiance_rays(options) > 0.0f) bytes += sizeof(struct image_gathered);
+    if (render_noise_filter_on(options))
+        bytes += sizeof(struct image_noisy) + sizeof(struct image_change);
     if (options->denoise) bytes += 5 * sizeof(rgb);
     if (!gather_traces_paths(options)) bytes += RENDER_RIMS_BYTES;
     if (callbacks->snapshot) bytes += 1.0 + sizeof(float) * render_film_channels(scene, options);
@@ -55,6 +57,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
               image->film && (image->aov || !aovs->values);
     if (ok) ok = render_cryptomatte_make(&image->cryptomatte, scene, options);
     if (ok && options->denoise) ok = render_denoise_memory(image);
+    if (ok && render_noise_filter_on(options)) ok = render_noise_memory(image);
     if (ok && render_adaptive_make(&image->adapt, width, height, options->light_samples))
         return image;
     render_image_free(image);
@@ -80,6 +83,8 @@ void render_image_free(struct render_image *image) {
     free(image->uncached);
     free(image->aov);
     free(image->gathered);
+    free(image->noisy_light);
+    free(image->change);
     free(image->blocks);
     free(image->pixel);
     free(image);

@@ -47,6 +47,22 @@ struct image_gathered {
     float pixel;
 };
 
+// The layers of which light is filtered: direct light, and glossy light that no record carries.
+enum noisy_layer { NOISY_DIRECT, NOISY_GLOSSY, NOISY_LAYERS };
+
+// Weighted sums over the samples of a pixel, and over those for which x + y + index is odd: of one
+// sample per pixel, neighbours have different halves.
+struct image_noisy {
+    rgb glossy;  // of all samples; that of direct light is the layer
+    rgb odd[NOISY_LAYERS];
+    float weight;  // of the odd ones
+};
+
+// What the filter of noise adds to the means of a pixel.
+struct image_change {
+    rgb layer[NOISY_LAYERS];
+};
+
 // Sums over blocks of a pixel's consecutive samples. The samples of a pixel are stratified, so the
 // variance of their mean is far less than it would be by the differences of single samples; the
 // means of whole blocks are stratified each, and differ by little more than the mean of all.
@@ -117,6 +133,9 @@ struct render_image {
     atomic_bool tiles_wanted;  // whether a snapshot waits for tiles that workers have
     enum image_state state;
     struct image_pass *pass;  // that is running
+    // Only if noise is filtered, else NULL:
+    struct image_noisy *noisy_light;  // pixel by pixel
+    struct image_change *change;
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
     rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result
@@ -166,6 +185,19 @@ void render_irradiance_gathered(struct image_gathered *sum, const struct shade_s
 rgb render_irradiance_change(const struct render_image *image, const struct satin_scene *scene,
                              const satin_options *options, int x, int y);
 
+// ---- The filter of noise (render_noise_filter.c)
+
+// Whether an image with these options is filtered.
+bool render_noise_filter_on(const satin_options *options);
+// Allocates its memory, which is freed with the image. False if there is no memory.
+bool render_noise_memory(struct render_image *image);
+// Adds a sample to the half of `parity`, of which the last bit counts.
+void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sample *sample);
+// Sets image->change, for an image with samples. False if there is no memory.
+bool render_noise_change(struct render_image *image, struct parallel *pool);
+// Filters the image, if each pixel has a sample and there is the time. False if there is no memory.
+bool render_noise_filter(struct render *r);
+
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).
 bool render_denoise_memory(struct render_image *image);
@@ -207,7 +239,7 @@ bool render_image_unpack(struct render_image *image, const struct bytes *in);
 // varies. To be called when all samples that are distributed equally are taken; `late`: after a
 // time limit that was over before. *whole is false if it was stopped early.
 satin_status render_rims(struct render *r, bool late, bool *whole);
-enum { RENDER_RIMS_BYTES = 28 };  // its memory per pixel, at most
+enum { RENDER_RIMS_BYTES = 29 };  // its memory per pixel, at most
 // Whether the render takes such rays. Integrator `path` is for comparison, and takes nothing but
 // its samples.
 bool render_has_rims(const struct render *r);

@@ -106,6 +106,8 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
         if (finite) render_cryptomatte_add(&image->cryptomatte, at, &sample);
         if (finite && image->blocks) add_to_block(image, at, sample.beauty);
         if (finite && image->gathered) render_irradiance_gathered(&image->gathered[at], &sample);
+        if (finite && image->noisy_light)
+            render_noise_add(&image->noisy_light[at], x + y + (int)adapt->count, &sample);
         if (finite && image->uncached)
             image->uncached[at] = rgb_mad(image->uncached[at], sample.uncached, sample.weight);
         render_adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),

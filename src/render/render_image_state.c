@@ -7,7 +7,7 @@ struct image_plane {
     void *items;
     size_t size;
 };
-enum { IMAGE_PLANES = 6 + CRYPTOMATTES };
+enum { IMAGE_PLANES = 7 + CRYPTOMATTES };
 
 static void list_planes(const struct render_image *image, struct image_plane out[IMAGE_PLANES]) {
     out[0] = (struct image_plane){image->pixel, sizeof *image->pixel};
@@ -16,8 +16,9 @@ static void list_planes(const struct render_image *image, struct image_plane out
     out[3] = (struct image_plane){image->blocks, sizeof *image->blocks};
     out[4] = (struct image_plane){image->uncached, sizeof *image->uncached};
     out[5] = (struct image_plane){image->gathered, sizeof *image->gathered};
+    out[6] = (struct image_plane){image->noisy_light, sizeof *image->noisy_light};
     for (int i = 0; i < CRYPTOMATTES; i++)
-        out[6 + i] =
+        out[7 + i] =
             (struct image_plane){image->cryptomatte.pixel[i], sizeof *image->cryptomatte.pixel[i]};
 }
 

@@ -6,7 +6,8 @@
 // layer is the mean of the samples that are distributed equally, and of additional rays: a few in
 // each pixel, whose number grows with that of the samples, and many where emission varies. Where
 // few rays find a small lamp by chance alone, the pixels that have found it stand for those that
-// have not, and get no more; if there are many of these, all pixels do.
+// have not. If enough of them are near each other, as where a lamp is seen through a pierced shade,
+// all pixels around get many rays; else none does, unless the image has many such pixels.
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,9 +30,15 @@ static const float SMOOTH = 0.1f;
 // rim would find. The chance that none does is then below e^-3, and so is the fraction of the
 // emission that is lost.
 static const float HITS_LEAST = 3.0f;
+// Pixels that have found emission by chance are near each other up to this many pixels away.
+enum { NEAR_PIXELS = 8 };
 // Emission is rare if more than this fraction of the pixels have it by chance. Then the error of
 // the image is that of emission; single lamps do not double the time of all else.
 static const float RARE_FRACTION = 0.01f;
+
+// What is known of a pixel: whether it is at a rim, which may have been found by chance, and
+// whether it is near enough of these. 0: nothing.
+enum rim_known { RIM_FOUND = 1, RIM_BY_CHANCE = 2, RIM_NEAR = 4 };
 
 // The weighted emission of a pixel's rays at a rim, and their weight.
 struct rim {
@@ -51,6 +58,8 @@ struct rims {
     uint32_t *found;  // number of such pixels in each row
     size_t count;
     struct rim *rim;  // of those pixels
+    size_t begin;     // index of the first pixel of a loop
+    uint8_t *known;   // of each pixel of the image: enum rim_known
     size_t added;     // number of them that have got rays at rims
 };
 
@@ -114,16 +123,20 @@ static void read_emission(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// The box of pixels up to the filter's radius away: the few rays in its tail may all miss a lamp
-// that the pixel sees, or hit it by chance.
-static struct image_box pixels_around(const struct rims *rims, size_t pixel) {
-    const struct render_image *image = rims->r->image;
+// The box of pixels up to this number of pixels away.
+static struct image_box box_within(const struct render_image *image, size_t pixel, int radius) {
     const int x = (int)(pixel % (size_t)image->width), y = (int)(pixel / (size_t)image->width);
-    const int right = x + rims->radius + 1, bottom = y + rims->radius + 1;
-    return (struct image_box){.x0 = x > rims->radius ? x - rims->radius : 0,
-                              .y0 = y > rims->radius ? y - rims->radius : 0,
+    const int right = x + radius + 1, bottom = y + radius + 1;
+    return (struct image_box){.x0 = x > radius ? x - radius : 0,
+                              .y0 = y > radius ? y - radius : 0,
                               .x1 = right < image->width ? right : image->width,
                               .y1 = bottom < image->height ? bottom : image->height};
+}
+
+// Up to the filter's radius: the few rays in its tail may all miss a lamp that the pixel sees, or
+// hit it by chance.
+static struct image_box pixels_around(const struct rims *rims, size_t pixel) {
+    return box_within(rims->r->image, pixel, rims->radius);
 }
 
 // Whether emission varies around the pixel.
@@ -184,7 +197,7 @@ static float chance_of_rays(const struct rims *rims, uint32_t pixel) {
 static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = rims->begin + begin; i < rims->begin + end; i++) {
         const uint32_t pixel = rims->pixel[i];
         const struct image_emission *e = &rims->r->image->pixel[pixel].emission;
         struct rim *rim = &rims->rim[i];
@@ -203,16 +216,16 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
 
 static void pack_rims(void *ctx, size_t begin, size_t end, struct bytes *out) {
     const struct rims *rims = ctx;
-    bytes_put(out, rims->rim + begin, (end - begin) * sizeof *rims->rim);
-    for (size_t i = begin; i < end; i++)
-        bytes_put(out, &rims->hits[rims->pixel[i]], sizeof *rims->hits);
+    const uint32_t *pixel = rims->pixel + rims->begin;
+    bytes_put(out, rims->rim + rims->begin + begin, (end - begin) * sizeof *rims->rim);
+    for (size_t i = begin; i < end; i++) bytes_put(out, &rims->hits[pixel[i]], sizeof *rims->hits);
 }
 
 static bool unpack_rims(void *ctx, size_t begin, size_t end, struct bytes_reader *in) {
     const struct rims *rims = ctx;
-    bytes_get(in, rims->rim + begin, (end - begin) * sizeof *rims->rim);
-    for (size_t i = begin; i < end; i++)
-        bytes_get(in, &rims->hits[rims->pixel[i]], sizeof *rims->hits);
+    const uint32_t *pixel = rims->pixel + rims->begin;
+    bytes_get(in, rims->rim + rims->begin + begin, (end - begin) * sizeof *rims->rim);
+    for (size_t i = begin; i < end; i++) bytes_get(in, &rims->hits[pixel[i]], sizeof *rims->hits);
     return true;
 }
 
@@ -228,37 +241,81 @@ static bool found_by_chance(const struct rims *rims, size_t pixel) {
     return hits < HITS_LEAST;
 }
 
-static void add_rims(struct rims *rims) {
+// Notes which rims were found by chance, and returns how many.
+static size_t evaluate_rims(struct rims *rims) {
     size_t by_chance = 0;
     for (size_t i = 0; i < rims->count; i++) {
-        struct image_emission *e = &rims->r->image->pixel[rims->pixel[i]].emission;
-        if (found_by_chance(rims, rims->pixel[i])) {
-            by_chance++;
-            continue;
+        const bool chance = found_by_chance(rims, rims->pixel[i]);
+        rims->known[rims->pixel[i]] = chance ? RIM_BY_CHANCE : RIM_FOUND;
+        by_chance += chance;
+    }
+    return by_chance;
+}
+
+static bool enough_near(const struct rims *rims, struct image_box box) {
+    float hits = 0.0f;
+    for (int y = box.y0; y < box.y1; y++)
+        for (int x = box.x0; x < box.x1; x++) {
+            const size_t at = (size_t)y * (size_t)rims->r->image->width + (size_t)x;
+            if (rims->known[at] & RIM_BY_CHANCE) hits += rims->hits[at];
         }
+    return hits >= HITS_LEAST;
+}
+
+// Appends the pixels around rims that were found by chance where enough of these are near.
+static void find_rims_near(struct rims *rims) {
+    const size_t found = rims->count;
+    for (size_t i = 0; i < found; i++) {
+        const struct image_box box = box_within(rims->r->image, rims->pixel[i], NEAR_PIXELS);
+        if (!(rims->known[rims->pixel[i]] & RIM_BY_CHANCE) || !enough_near(rims, box)) continue;
+        for (int y = box.y0; y < box.y1; y++)
+            for (int x = box.x0; x < box.x1; x++) {
+                const size_t at = (size_t)y * (size_t)rims->r->image->width + (size_t)x;
+                if (!rims->known[at]) rims->pixel[rims->count++] = (uint32_t)at;
+                rims->known[at] |= RIM_NEAR;
+            }
+    }
+}
+
+static void add_rims(struct rims *rims) {
+    for (size_t i = 0; i < rims->count; i++) {
+        struct image_emission *e = &rims->r->image->pixel[rims->pixel[i]].emission;
+        if (rims->known[rims->pixel[i]] == RIM_BY_CHANCE) continue;
         e->sum = rgb_add(e->sum, rims->rim[i].sum);
         e->weight += rims->rim[i].weight;
         if (e->rays <= rims->first) rims->added++;
         if (e->rays < rims->most) e->rays = rims->most;
     }
-    struct render_image *image = rims->r->image;
-    const float pixels = (float)image->width * (float)image->height;
-    if ((float)by_chance > RARE_FRACTION * pixels) image->rare_emission = true;
 }
 
-// Takes the rays of the pixels at rims. False if it was stopped early, or if there is no memory,
-// which *status says.
+// Takes the rays of the pixels from an index on. False if it was stopped early, or if there is no
+// memory, which *status says.
+static bool trace_from(struct rims *rims, size_t begin, satin_status *status) {
+    if (rims->count == begin) return true;
+    struct rim *grown = realloc(rims->rim, rims->count * sizeof *rims->rim);
+    if (!grown) *status = SATIN_ERROR_MEMORY;
+    if (!grown) return false;
+    rims->rim = grown;
+    rims->begin = begin;
+    memset(rims->rim + begin, 0, (rims->count - begin) * sizeof *rims->rim);
+    return parallel_for_results(rims->r->pool, rims->count - begin, RIMS_CHUNK, trace_rims, rims,
+                                &rims_results);
+}
+
+// Likewise, of all pixels at rims.
 static bool sample_rims(struct rims *rims, satin_status *status) {
     struct render *r = rims->r;
     const double pixels = (double)r->image->width * (double)r->image->height;
     if (rims->count == 0) return true;
     rims->most = render_budget_rim_rays(&r->options, render_core_seconds(r),
                                         (double)rims->count / pixels, rims->first, rims->late);
-    rims->rim = array_new(rims->count, sizeof *rims->rim);
-    if (!rims->rim) *status = SATIN_ERROR_MEMORY;
-    if (!rims->rim ||
-        !parallel_for_results(r->pool, rims->count, RIMS_CHUNK, trace_rims, rims, &rims_results))
-        return false;
+    if (!trace_from(rims, 0, status)) return false;
+    const size_t found = rims->count;
+    if ((double)evaluate_rims(rims) > RARE_FRACTION * pixels)
+        r->image->rare_emission = true;
+    else
+        find_rims_near(rims);
+    if (!trace_from(rims, found, status)) return false;
     add_rims(rims);
     return true;
 }
@@ -301,9 +358,10 @@ satin_status render_rims(struct render *r, bool late, bool *whole) {
     rims.hits = array_new_unset(width * height, sizeof *rims.hits);
     rims.pixel = array_new_unset(width * height, sizeof *rims.pixel);
     rims.found = array_new(height, sizeof *rims.found);
+    rims.known = array_new(width * height, sizeof *rims.known);
     satin_status status = SATIN_OK;
     parallel_begin_part(r->pool, "rims");
-    if (rims.emission && rims.hits && rims.pixel && rims.found)
+    if (rims.emission && rims.hits && rims.pixel && rims.found && rims.known)
         *whole = sample_emission(&rims, &status);
     else
         status = SATIN_ERROR_MEMORY;
@@ -312,6 +370,7 @@ satin_status render_rims(struct render *r, bool late, bool *whole) {
     free(rims.hits);
     free(rims.pixel);
     free(rims.found);
+    free(rims.known);
     free(rims.rim);
     return status;
 }

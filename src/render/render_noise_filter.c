@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// Filters direct light and sampled gloss by non-local means [Rousselle et al. 2012]: a pixel's
+// samples are averaged with those of pixels around it whose surroundings look the same within their
+// noise. Two halves of the samples are filtered, each with weights that the other one gives, so
+// that no sample decides by its own brightness where it counts. As noise becomes less, fewer pixels
+// look the same, and the image is what the samples give.
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "render/render_image.h"
+
+// Pixels up to SEARCH away are compared by the squares of 2 * PATCH + 1 pixels around both. For
+// these and the other constants see docs/experiments/denoising.md.
+enum { SEARCH = 5, PATCH = 3 };
+// The square of a difference that counts as noise, in variances of one of both pixels.
+static const float NOISE = 2.0f;
+// The squared distance of two normals that counts like a difference of one variance more.
+static const float NORMAL_UNIT = 0.1f;
+// From this many variances on pixels have nothing in common.
+static const float VARIANCES_MOST = 4.0f;
+// Irradiance is light over albedo, which is at least this.
+static const float ALBEDO_LEAST = 0.02f;
+
+enum {
+    HALVES = 2,
+    TILE = 64,                    // pixels that are filtered together, in each direction
+    MARGIN = SEARCH + PATCH + 3,  // three for the variance
+    EXTENT = TILE + 2 * MARGIN,   // pixels that are read for a tile
+    PIXELS_READ = EXTENT * EXTENT,
+    COMPARED = TILE + 2 * PATCH,  // pixels that are compared for one offset
+    PATCH_SIDE = 2 * PATCH + 1
+};
+
+// One half of the samples: planes of EXTENT rows.
+struct half_plane {
+    float light[NOISY_LAYERS][3][PIXELS_READ];  // weighted sums over the albedo
+    float weight[PIXELS_READ];
+    float Y[PIXELS_READ];         // luminance of the mean
+    float variance[PIXELS_READ];  // of Y
+};
+
+struct noise_tile {
+    struct half_plane half[HALVES];
+    float normal[3][PIXELS_READ];
+    float spread[PIXELS_READ];  // the variance of one unit of weight, by single pixels
+    float around[PIXELS_READ];  // the mean of those of 3 x 3 pixels
+    // The pixels that are filtered, row by row: how far normals differ, and weighted sums over what
+    // is similar.
+    float surface[TILE * TILE], sum[NOISY_LAYERS][3][TILE * TILE], weight[TILE * TILE];
+    float difference[COMPARED * COMPARED];
+    float row[COMPARED * TILE];  // sums of PATCH_SIDE of these
+};
+
+bool render_noise_filter_on(const satin_options *o) {
+    return o->noise_filter && o->integrator == SATIN_TWO_PASS && !o->denoise;
+}
+
+bool render_noise_memory(struct render_image *image) {
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    image->noisy_light = calloc(pixels, sizeof *image->noisy_light);
+    image->change = calloc(pixels, sizeof *image->change);
+    return image->noisy_light && image->change;
+}
+
+void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sample *s) {
+    sum->glossy = rgb_mad(sum->glossy, s->uncached_glossy, s->weight);
+    if (!(parity & 1)) return;
+    rgb *odd = sum->odd;
+    odd[NOISY_DIRECT] = rgb_mad(odd[NOISY_DIRECT], s->layer[SHADE_DIRECT], s->weight);
+    odd[NOISY_GLOSSY] = rgb_mad(odd[NOISY_GLOSSY], s->uncached_glossy, s->weight);
+    sum->weight += s->weight;
+}
+
+// ---- What is compared ---------------------------------------------------------------------------
+
+static rgb mean_albedo(const struct image_pixel *p) {
+    const rgb albedo = rgb_scale(p->layer[SHADE_ALBEDO], render_image_scale(p));
+    return rgb_make(maxf(albedo.r, ALBEDO_LEAST), maxf(albedo.g, ALBEDO_LEAST),
+                    maxf(albedo.b, ALBEDO_LEAST));
+}
+
+// The sum of a layer over all samples.
+static rgb sum_of(const struct render_image *image, size_t at, enum noisy_layer layer) {
+    return layer == NOISY_DIRECT ? image->pixel[at].layer[SHADE_DIRECT]
+                                 : image->noisy_light[at].glossy;
+}
+
+static void read_half(struct half_plane *half, size_t i, enum noisy_layer layer, rgb light,
+                      rgb albedo) {
+    const bool usable = half->weight[i] > 0.0f;
+    half->light[layer][0][i] = usable ? light.r / albedo.r : 0.0f;
+    half->light[layer][1][i] = usable ? light.g / albedo.g : 0.0f;
+    half->light[layer][2][i] = usable ? light.b / albedo.b : 0.0f;
+}
+
+static void read_pixel(struct noise_tile *t, size_t i, const struct render_image *image,
+                       size_t at) {
+    const struct image_pixel *p = &image->pixel[at];
+    const struct image_noisy *noisy = &image->noisy_light[at];
+    const rgb albedo = mean_albedo(p), *n = &p->layer[SHADE_NORMAL];
+    const float scale = render_image_scale(p);
+    t->half[0].weight[i] = maxf(p->weight - noisy->weight, 0.0f);
+    t->half[1].weight[i] = maxf(noisy->weight, 0.0f);
+    for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++) {
+        const rgb odd = noisy->odd[layer];
+        read_half(&t->half[0], i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
+        read_half(&t->half[1], i, layer, odd, albedo);
+    }
+    t->normal[0][i] = n->r * scale;
+    t->normal[1][i] = n->g * scale;
+    t->normal[2][i] = n->b * scale;
+}
+
+static int clamp_to(int x, int end) { return x < 0 ? 0 : x < end ? x : end - 1; }
+
+// Beyond the image its border goes on.
+static void read_tile(struct noise_tile *t, const struct render_image *image, int x0, int y0) {
+    for (int y = 0; y < EXTENT; y++)
+        for (int x = 0; x < EXTENT; x++) {
+            const int from_x = clamp_to(x0 + x - MARGIN, image->width),
+                      from_y = clamp_to(y0 + y - MARGIN, image->height);
+            read_pixel(t, (size_t)(y * EXTENT + x), image,
+                       (size_t)from_y * (size_t)image->width + (size_t)from_x);
+        }
+}
+
+static float luminance_of(const struct half_plane *half, size_t i) {
+    float sum = 0.0f;
+    for (int layer = 0; layer < NOISY_LAYERS; layer++)
+        sum += rgb_luminance(
+            rgb_make(half->light[layer][0][i], half->light[layer][1][i], half->light[layer][2][i]));
+    return sum;
+}
+
+// The mean of a pixel without samples in this half is that of its neighbours or, as the last
+// resort, of the other half.
+static float luminance_around(const struct half_plane *half, const struct half_plane *other,
+                              size_t i) {
+    const size_t around[4] = {i - 1, i + 1, i - EXTENT, i + EXTENT};
+    float sum = 0.0f, weight = 0.0f;
+    for (int k = 0; k < 4; k++) {
+        sum += luminance_of(half, around[k]);
+        weight += half->weight[around[k]];
+    }
+    if (weight > 0.0f) return sum / weight;
+    return other->weight[i] > 0.0f ? luminance_of(other, i) / other->weight[i] : 0.0f;
+}
+
+static void set_means(struct half_plane *half, const struct half_plane *other) {
+    for (int y = 1; y < EXTENT - 1; y++)
+        for (size_t i = (size_t)(y * EXTENT + 1); i < (size_t)((y + 1) * EXTENT - 1); i++)
+            half->Y[i] = half->weight[i] > 0.0f ? luminance_of(half, i) / half->weight[i]
+                                                : luminance_around(half, other, i);
+}
+
+// The variance of one unit of weight is known by how far both halves differ. A half without samples
+// counts like one sample.
+static void set_spread(struct noise_tile *t) {
+    const struct half_plane *a = &t->half[0], *b = &t->half[1];
+    for (int y = 1; y < EXTENT - 1; y++)
+        for (int i = y * EXTENT + 1; i < (y + 1) * EXTENT - 1; i++) {
+            const float of_a = a->weight[i] > 0.0f ? a->weight[i] : 1.0f,
+                        of_b = b->weight[i] > 0.0f ? b->weight[i] : 1.0f;
+            t->spread[i] = sqrf(a->Y[i] - b->Y[i]) * (of_a * of_b / (of_a + of_b));
+        }
+}
+
+static void set_around(struct noise_tile *t) {
+    for (int y = 2; y < EXTENT - 2; y++)
+        for (int i = y * EXTENT + 2; i < (y + 1) * EXTENT - 2; i++) {
+            float sum = 0.0f;
+            for (int row = -EXTENT; row <= EXTENT; row += EXTENT)
+                for (int column = -1; column <= 1; column++) sum += t->spread[i + row + column];
+            t->around[i] = sum / 9.0f;
+        }
+}
+
+// Two values alone say little, so the variance is that of 3 x 3 pixels: of those with the pixel in
+// the middle or at a corner the quietest. What is quiet beside a noisy highlight then stays so.
+static void set_variances(struct noise_tile *t) {
+    static const int corner[4] = {-EXTENT - 1, -EXTENT + 1, EXTENT - 1, EXTENT + 1};
+    set_around(t);
+    for (int y = 3; y < EXTENT - 3; y++)
+        for (int i = y * EXTENT + 3; i < (y + 1) * EXTENT - 3; i++) {
+            float least = t->around[i];
+            for (int k = 0; k < 4; k++) least = minf(least, t->around[i + corner[k]]);
+            for (int h = 0; h < HALVES; h++) {
+                const float weight = t->half[h].weight[i];
+                t->half[h].variance[i] = least / (weight > 0.0f ? weight : 1.0f);
+            }
+        }
+}
+
+// ---- Pixels that look the same ------------------------------------------------------------------
+
+// The pixel of a plane from which on a row is filtered, or compared with those at an offset.
+static int filtered_from(int row) { return (row + MARGIN) * EXTENT + MARGIN; }
+static int compared_from(int row) { return (row + MARGIN - PATCH) * EXTENT + MARGIN - PATCH; }
+
+static void compare_normals(struct noise_tile *t, int offset) {
+    static const float of_normals = 1.0f / NORMAL_UNIT;
+    for (int row = 0; row < TILE; row++)
+        for (int k = 0; k < TILE; k++) {
+            const int p = filtered_from(row) + k, q = p + offset;
+            t->surface[row * TILE + k] = of_normals * (sqrf(t->normal[0][p] - t->normal[0][q]) +
+                                                       sqrf(t->normal[1][p] - t->normal[1][q]) +
+                                                       sqrf(t->normal[2][p] - t->normal[2][q]));
+        }
+}
+
+// The squared differences of pixels by one half, less what is noise, in variances.
+static void compare_light(struct noise_tile *t, const struct half_plane *by, int offset) {
+    for (int row = 0; row < COMPARED; row++)
+        for (int k = 0; k < COMPARED; k++) {
+            const int p = compared_from(row) + k, q = p + offset;
+            const float of_p = by->variance[p], of_q = by->variance[q];
+            t->difference[row * COMPARED + k] =
+                (sqrf(by->Y[p] - by->Y[q]) - NOISE * (of_p + minf(of_p, of_q))) /
+                (of_p + of_q + FLT_MIN);
+        }
+}
+
+static void sum_patch_rows(struct noise_tile *t) {
+    for (int row = 0; row < COMPARED; row++) {
+        const float *from = t->difference + row * COMPARED;
+        for (int k = 0; k < TILE; k++) {
+            float sum = 0.0f;
+            for (int i = 0; i < PATCH_SIDE; i++) sum += from[k + i];
+            t->row[row * TILE + k] = sum;
+        }
+    }
+}
+
+// What lies in the image of a tile at an offset: pixels [begin, end) of each row, and of rows.
+struct tile_range {
+    int begin, end;
+};
+
+static struct tile_range range_inside(int tile, int offset, int size) {
+    const int begin = -(tile + offset), end = size - (tile + offset);
+    return (struct tile_range){begin > 0 ? begin : 0, end < TILE ? end : TILE};
+}
+
+// Adds the samples of `half` at the offset, by how similar the other half is there.
+static void add_similar(struct noise_tile *t, const struct half_plane *half, int offset,
+                        struct tile_range rows, struct tile_range columns) {
+    static const float of_patch = 1.0f / (PATCH_SIDE * PATCH_SIDE), of_most = 1.0f / VARIANCES_MOST;
+    for (int row = rows.begin; row < rows.end; row++)
+        for (int k = columns.begin; k < columns.end; k++) {
+            const int to = row * TILE + k, q = filtered_from(row) + k + offset;
+            float sum = 0.0f;
+            for (int i = 0; i < PATCH_SIDE; i++) sum += t->row[to + i * TILE];
+            const float differs = (sum < 0.0f ? 0.0f : sum * of_patch) + t->surface[to];
+            const float similar = sqrf(sqrf(maxf(1.0f - of_most * differs, 0.0f)));
+            for (int layer = 0; layer < NOISY_LAYERS; layer++)
+                for (int c = 0; c < 3; c++)
+                    t->sum[layer][c][to] += similar * half->light[layer][c][q];
+            t->weight[to] += similar * half->weight[q];
+        }
+}
+
+// ---- Tiles --------------------------------------------------------------------------------------
+
+static rgb change_of(const struct noise_tile *t, const struct render_image *image, int i, size_t at,
+                     enum noisy_layer layer) {
+    const struct image_pixel *p = &image->pixel[at];
+    if (!p->samples || !(t->weight[i] > 0.0f)) return rgb_grey(0.0f);
+    const float(*sum)[TILE * TILE] = t->sum[layer];
+    const rgb E = rgb_scale(rgb_make(sum[0][i], sum[1][i], sum[2][i]), 1.0f / t->weight[i]);
+    const rgb own = rgb_scale(sum_of(image, at, layer), render_image_scale(p));
+    const rgb change = rgb_sub(rgb_mul(E, mean_albedo(p)), own);
+    return rgb_finite(change) ? change : rgb_grey(0.0f);
+}
+
+static void filter_tile(struct noise_tile *t, struct render_image *image, int x0, int y0) {
+    read_tile(t, image, x0, y0);
+    for (int h = 0; h < HALVES; h++) set_means(&t->half[h], &t->half[1 - h]);
+    set_spread(t);
+    set_variances(t);
+    memset(t->sum, 0, sizeof t->sum);
+    memset(t->weight, 0, sizeof t->weight);
+    for (int dy = -SEARCH; dy <= SEARCH; dy++)
+        for (int dx = -SEARCH; dx <= SEARCH; dx++) {
+            const int offset = dy * EXTENT + dx;
+            compare_normals(t, offset);
+            for (int h = 0; h < HALVES; h++) {
+                compare_light(t, &t->half[1 - h], offset);
+                sum_patch_rows(t);
+                add_similar(t, &t->half[h], offset, range_inside(y0, dy, image->height),
+                            range_inside(x0, dx, image->width));
+            }
+        }
+    for (int y = y0; y < y0 + TILE && y < image->height; y++)
+        for (int x = x0; x < x0 + TILE && x < image->width; x++) {
+            const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+            for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++)
+                image->change[at].layer[layer] =
+                    change_of(t, image, (y - y0) * TILE + x - x0, at, layer);
+        }
+}
+
+struct noise_filter {
+    struct render_image *image;
+    struct noise_tile *tile;  // one for each worker
+    size_t columns;
+};
+
+static void filter_tiles(void *ctx, size_t begin, size_t end, int worker) {
+    const struct noise_filter *f = ctx;
+    for (size_t i = begin; i < end; i++)
+        filter_tile(&f->tile[worker], f->image, (int)(i % f->columns) * TILE,
+                    (int)(i / f->columns) * TILE);
+}
+
+bool render_noise_change(struct render_image *image, struct parallel *pool) {
+    struct noise_filter f = {.image = image, .columns = ((size_t)image->width + TILE - 1) / TILE};
+    const size_t rows = ((size_t)image->height + TILE - 1) / TILE;
+    f.tile = array_new((size_t)parallel_threads(pool), sizeof *f.tile);
+    if (!f.tile) return false;
+    parallel_for_all(pool, f.columns * rows, 1, filter_tiles, &f);
+    free(f.tile);
+    return true;
+}
+
+bool render_noise_filter(struct render *r) {
+    const struct render_image *image = r->image;
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    if (!image->noisy_light || image->taken < pixels || !render_budget_filters_noise(r))
+        return true;
+    parallel_begin_part(r->pool, "noise_filter");
+    return render_noise_change(r->image, r->pool);
+}
