@@ -66,7 +66,7 @@ static const double FILTER_SECONDS = 4.5e-5;
 static const double FILTER_FRACTION = 0.1, FILTER_CANCELLED = 0.5;
 
 // The time of the filter of noise at one pixel [core s], and the largest fraction of the limit.
-static const double NOISE_FILTER_SECONDS = 3.7e-6, NOISE_FILTER_FRACTION = 0.25;
+static const double NOISE_FILTER_SECONDS = 5e-6, NOISE_FILTER_FRACTION = 0.25;
 
 enum {
     EQUAL_LEAST = 2,     // least number of samples per pixel that are distributed equally

@@ -13,13 +13,18 @@
 
 // Pixels up to SEARCH away are compared by the squares of 2 * PATCH + 1 pixels around both. For
 // these and the other constants see docs/experiments/denoising.md.
-enum { SEARCH = 5, PATCH = 3 };
-// The square of a difference that counts as noise, in variances of one of both pixels.
-static const float NOISE = 2.0f;
-// The squared distance of two normals that counts like a difference of one variance more.
-static const float NORMAL_UNIT = 0.1f;
-// From this many variances on pixels have nothing in common.
-static const float VARIANCES_MOST = 4.0f;
+enum { SEARCH = 5, PATCH = 2 };
+// Differences are counted in units: that of light is one if its square is as large as the variance
+// of both pixels beyond what their noise explains; and those of surfaces are one if the squared
+// distance of normals, or the squared difference of albedos over their product, is this.
+static const float NORMAL_UNIT = 0.2f, ALBEDO_UNIT = 0.5f;
+// The square of a difference that noise explains, in variances of one pixel.
+static const float EXPLAINED = 2.0f;
+// A pixel with more than this many times the variance of another one has no more in common with it
+// because of that.
+static const float NOISIER_MOST = 100.0f;
+// From this many units on pixels have nothing in common.
+static const float UNITS_MOST = 4.0f;
 // Irradiance is light over albedo, which is at least this.
 static const float ALBEDO_LEAST = 0.02f;
 
@@ -43,11 +48,11 @@ struct half_plane {
 
 struct noise_tile {
     struct half_plane half[HALVES];
-    float normal[3][PIXELS_READ];
+    float albedo[PIXELS_READ], normal[3][PIXELS_READ];
     float spread[PIXELS_READ];  // the variance of one unit of weight, by single pixels
     float around[PIXELS_READ];  // the mean of those of 3 x 3 pixels
-    // The pixels that are filtered, row by row: how far normals differ, and weighted sums over what
-    // is similar.
+    // The pixels that are filtered, row by row: how far surfaces differ, and weighted sums over
+    // what is similar.
     float surface[TILE * TILE], sum[NOISY_LAYERS][3][TILE * TILE], weight[TILE * TILE];
     float difference[COMPARED * COMPARED];
     float row[COMPARED * TILE];  // sums of PATCH_SIDE of these
@@ -108,6 +113,7 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
         read_half(&t->half[0], i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
         read_half(&t->half[1], i, layer, odd, albedo);
     }
+    t->albedo[i] = rgb_luminance(albedo);
     t->normal[0][i] = n->r * scale;
     t->normal[1][i] = n->g * scale;
     t->normal[2][i] = n->b * scale;
@@ -199,26 +205,29 @@ static void set_variances(struct noise_tile *t) {
 static int filtered_from(int row) { return (row + MARGIN) * EXTENT + MARGIN; }
 static int compared_from(int row) { return (row + MARGIN - PATCH) * EXTENT + MARGIN - PATCH; }
 
-static void compare_normals(struct noise_tile *t, int offset) {
-    static const float of_normals = 1.0f / NORMAL_UNIT;
+static void compare_surfaces(struct noise_tile *t, int offset) {
+    static const float of_normals = 1.0f / NORMAL_UNIT, of_albedos = 1.0f / ALBEDO_UNIT;
     for (int row = 0; row < TILE; row++)
         for (int k = 0; k < TILE; k++) {
             const int p = filtered_from(row) + k, q = p + offset;
-            t->surface[row * TILE + k] = of_normals * (sqrf(t->normal[0][p] - t->normal[0][q]) +
-                                                       sqrf(t->normal[1][p] - t->normal[1][q]) +
-                                                       sqrf(t->normal[2][p] - t->normal[2][q]));
+            const float normals = sqrf(t->normal[0][p] - t->normal[0][q]) +
+                                  sqrf(t->normal[1][p] - t->normal[1][q]) +
+                                  sqrf(t->normal[2][p] - t->normal[2][q]);
+            const float albedos = sqrf(t->albedo[p] - t->albedo[q]) / (t->albedo[p] * t->albedo[q]);
+            t->surface[row * TILE + k] = of_normals * normals + of_albedos * albedos;
         }
 }
 
-// The squared differences of pixels by one half, less what is noise, in variances.
+// The differences of pixels by one half. What is almost free of noise, such as a dark mirror, has
+// nothing in common with a highlight beside it whose few samples might be as dark.
 static void compare_light(struct noise_tile *t, const struct half_plane *by, int offset) {
     for (int row = 0; row < COMPARED; row++)
         for (int k = 0; k < COMPARED; k++) {
             const int p = compared_from(row) + k, q = p + offset;
             const float of_p = by->variance[p], of_q = by->variance[q];
-            t->difference[row * COMPARED + k] =
-                (sqrf(by->Y[p] - by->Y[q]) - NOISE * (of_p + minf(of_p, of_q))) /
-                (of_p + of_q + FLT_MIN);
+            const float explained = EXPLAINED * (of_p + minf(of_p, of_q));
+            t->difference[row * COMPARED + k] = (sqrf(by->Y[p] - by->Y[q]) - explained) /
+                                                (of_p + minf(of_q, NOISIER_MOST * of_p) + FLT_MIN);
         }
 }
 
@@ -246,7 +255,7 @@ static struct tile_range range_inside(int tile, int offset, int size) {
 // Adds the samples of `half` at the offset, by how similar the other half is there.
 static void add_similar(struct noise_tile *t, const struct half_plane *half, int offset,
                         struct tile_range rows, struct tile_range columns) {
-    static const float of_patch = 1.0f / (PATCH_SIDE * PATCH_SIDE), of_most = 1.0f / VARIANCES_MOST;
+    static const float of_patch = 1.0f / (PATCH_SIDE * PATCH_SIDE), of_most = 1.0f / UNITS_MOST;
     for (int row = rows.begin; row < rows.end; row++)
         for (int k = columns.begin; k < columns.end; k++) {
             const int to = row * TILE + k, q = filtered_from(row) + k + offset;
@@ -284,7 +293,7 @@ static void filter_tile(struct noise_tile *t, struct render_image *image, int x0
     for (int dy = -SEARCH; dy <= SEARCH; dy++)
         for (int dx = -SEARCH; dx <= SEARCH; dx++) {
             const int offset = dy * EXTENT + dx;
-            compare_normals(t, offset);
+            compare_surfaces(t, offset);
             for (int h = 0; h < HALVES; h++) {
                 compare_light(t, &t->half[1 - h], offset);
                 sum_patch_rows(t);
