@@ -60,7 +60,7 @@ struct rims {
     struct rim *rim;  // of those pixels
     size_t begin;     // index of the first pixel of a loop
     uint8_t *known;   // of each pixel of the image: enum rim_known
-    size_t added;     // number of them that have got rays at rims
+    size_t added;     // number of pixels that have got rays of rims
 };
 
 static rgb trace_ray(const struct rims *rims, uint32_t pixel, uint32_t index, float *weight) {
