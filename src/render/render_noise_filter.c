@@ -14,9 +14,10 @@
 // Pixels up to SEARCH away are compared by the squares of 2 * PATCH + 1 pixels around both. For
 // these and the other constants see docs/experiments/denoising.md.
 enum { SEARCH = 5, PATCH = 2 };
-// Differences are counted in units: that of light is one if its square is as large as the variance
-// of both pixels beyond what their noise explains; and those of surfaces are one if the squared
-// distance of normals, or the squared difference of albedos over their product, is this.
+// Differences are counted in units, in the mean over channels: that of light is one if its square
+// is as large as the variance of both pixels beyond what their noise explains; and those of
+// surfaces are one if the squared distance of normals, or the squared difference of albedos over
+// their product, is this.
 static const float NORMAL_UNIT = 0.2f, ALBEDO_UNIT = 0.5f;
 // The square of a difference that noise explains, in variances of one pixel.
 static const float EXPLAINED = 2.0f;
@@ -42,15 +43,15 @@ enum {
 struct half_plane {
     float light[NOISY_LAYERS][3][PIXELS_READ];  // weighted sums over the albedo
     float weight[PIXELS_READ];
-    float Y[PIXELS_READ];         // luminance of the mean
-    float variance[PIXELS_READ];  // of Y
+    float E[3][PIXELS_READ];  // the mean
+    float variance[3][PIXELS_READ];
 };
 
 struct noise_tile {
     struct half_plane half[HALVES];
-    float albedo[PIXELS_READ], normal[3][PIXELS_READ];
-    float spread[PIXELS_READ];  // the variance of one unit of weight, by single pixels
-    float around[PIXELS_READ];  // the mean of those of 3 x 3 pixels
+    float albedo[3][PIXELS_READ], normal[3][PIXELS_READ];
+    // The variance of one unit of weight in one channel, by single pixels and by 3 x 3 pixels.
+    float spread[PIXELS_READ], around[PIXELS_READ];
     // The pixels that are filtered, row by row: how far surfaces differ, and weighted sums over
     // what is similar.
     float surface[TILE * TILE], sum[NOISY_LAYERS][3][TILE * TILE], weight[TILE * TILE];
@@ -113,7 +114,9 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
         read_half(&t->half[0], i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
         read_half(&t->half[1], i, layer, odd, albedo);
     }
-    t->albedo[i] = rgb_luminance(albedo);
+    t->albedo[0][i] = albedo.r;
+    t->albedo[1][i] = albedo.g;
+    t->albedo[2][i] = albedo.b;
     t->normal[0][i] = n->r * scale;
     t->normal[1][i] = n->g * scale;
     t->normal[2][i] = n->b * scale;
@@ -132,44 +135,40 @@ static void read_tile(struct noise_tile *t, const struct render_image *image, in
         }
 }
 
-static float luminance_of(const struct half_plane *half, size_t i) {
-    float sum = 0.0f;
-    for (int layer = 0; layer < NOISY_LAYERS; layer++)
-        sum += rgb_luminance(
-            rgb_make(half->light[layer][0][i], half->light[layer][1][i], half->light[layer][2][i]));
-    return sum;
+static float sum_of_channel(const struct half_plane *half, int c, size_t i) {
+    return half->light[NOISY_DIRECT][c][i] + half->light[NOISY_GLOSSY][c][i];
 }
 
 // The mean of a pixel without samples in this half is that of its neighbours or, as the last
 // resort, of the other half.
-static float luminance_around(const struct half_plane *half, const struct half_plane *other,
-                              size_t i) {
+static float mean_beside(const struct half_plane *half, const struct half_plane *other, int c,
+                         size_t i) {
     const size_t around[4] = {i - 1, i + 1, i - EXTENT, i + EXTENT};
     float sum = 0.0f, weight = 0.0f;
     for (int k = 0; k < 4; k++) {
-        sum += luminance_of(half, around[k]);
+        sum += sum_of_channel(half, c, around[k]);
         weight += half->weight[around[k]];
     }
     if (weight > 0.0f) return sum / weight;
-    return other->weight[i] > 0.0f ? luminance_of(other, i) / other->weight[i] : 0.0f;
+    return other->weight[i] > 0.0f ? sum_of_channel(other, c, i) / other->weight[i] : 0.0f;
 }
 
-static void set_means(struct half_plane *half, const struct half_plane *other) {
+static void set_means(struct half_plane *half, const struct half_plane *other, int c) {
     for (int y = 1; y < EXTENT - 1; y++)
         for (size_t i = (size_t)(y * EXTENT + 1); i < (size_t)((y + 1) * EXTENT - 1); i++)
-            half->Y[i] = half->weight[i] > 0.0f ? luminance_of(half, i) / half->weight[i]
-                                                : luminance_around(half, other, i);
+            half->E[c][i] = half->weight[i] > 0.0f ? sum_of_channel(half, c, i) / half->weight[i]
+                                                   : mean_beside(half, other, c, i);
 }
 
 // The variance of one unit of weight is known by how far both halves differ. A half without samples
 // counts like one sample.
-static void set_spread(struct noise_tile *t) {
+static void set_spread(struct noise_tile *t, int c) {
     const struct half_plane *a = &t->half[0], *b = &t->half[1];
     for (int y = 1; y < EXTENT - 1; y++)
         for (int i = y * EXTENT + 1; i < (y + 1) * EXTENT - 1; i++) {
             const float of_a = a->weight[i] > 0.0f ? a->weight[i] : 1.0f,
                         of_b = b->weight[i] > 0.0f ? b->weight[i] : 1.0f;
-            t->spread[i] = sqrf(a->Y[i] - b->Y[i]) * (of_a * of_b / (of_a + of_b));
+            t->spread[i] = sqrf(a->E[c][i] - b->E[c][i]) * (of_a * of_b / (of_a + of_b));
         }
 }
 
@@ -185,7 +184,7 @@ static void set_around(struct noise_tile *t) {
 
 // Two values alone say little, so the variance is that of 3 x 3 pixels: of those with the pixel in
 // the middle or at a corner the quietest. What is quiet beside a noisy highlight then stays so.
-static void set_variances(struct noise_tile *t) {
+static void set_variances(struct noise_tile *t, int c) {
     static const int corner[4] = {-EXTENT - 1, -EXTENT + 1, EXTENT - 1, EXTENT + 1};
     set_around(t);
     for (int y = 3; y < EXTENT - 3; y++)
@@ -194,7 +193,7 @@ static void set_variances(struct noise_tile *t) {
             for (int k = 0; k < 4; k++) least = minf(least, t->around[i + corner[k]]);
             for (int h = 0; h < HALVES; h++) {
                 const float weight = t->half[h].weight[i];
-                t->half[h].variance[i] = least / (weight > 0.0f ? weight : 1.0f);
+                t->half[h].variance[c][i] = least / (weight > 0.0f ? weight : 1.0f);
             }
         }
 }
@@ -206,14 +205,17 @@ static int filtered_from(int row) { return (row + MARGIN) * EXTENT + MARGIN; }
 static int compared_from(int row) { return (row + MARGIN - PATCH) * EXTENT + MARGIN - PATCH; }
 
 static void compare_surfaces(struct noise_tile *t, int offset) {
-    static const float of_normals = 1.0f / NORMAL_UNIT, of_albedos = 1.0f / ALBEDO_UNIT;
+    static const float of_normals = 1.0f / NORMAL_UNIT, of_albedos = 1.0f / (3.0f * ALBEDO_UNIT);
     for (int row = 0; row < TILE; row++)
         for (int k = 0; k < TILE; k++) {
             const int p = filtered_from(row) + k, q = p + offset;
             const float normals = sqrf(t->normal[0][p] - t->normal[0][q]) +
                                   sqrf(t->normal[1][p] - t->normal[1][q]) +
                                   sqrf(t->normal[2][p] - t->normal[2][q]);
-            const float albedos = sqrf(t->albedo[p] - t->albedo[q]) / (t->albedo[p] * t->albedo[q]);
+            float albedos = 0.0f;
+            for (int c = 0; c < 3; c++)
+                albedos +=
+                    sqrf(t->albedo[c][p] - t->albedo[c][q]) / (t->albedo[c][p] * t->albedo[c][q]);
             t->surface[row * TILE + k] = of_normals * normals + of_albedos * albedos;
         }
 }
@@ -221,13 +223,18 @@ static void compare_surfaces(struct noise_tile *t, int offset) {
 // The differences of pixels by one half. What is almost free of noise, such as a dark mirror, has
 // nothing in common with a highlight beside it whose few samples might be as dark.
 static void compare_light(struct noise_tile *t, const struct half_plane *by, int offset) {
+    static const float of_channels = 1.0f / 3.0f;
     for (int row = 0; row < COMPARED; row++)
         for (int k = 0; k < COMPARED; k++) {
             const int p = compared_from(row) + k, q = p + offset;
-            const float of_p = by->variance[p], of_q = by->variance[q];
-            const float explained = EXPLAINED * (of_p + minf(of_p, of_q));
-            t->difference[row * COMPARED + k] = (sqrf(by->Y[p] - by->Y[q]) - explained) /
-                                                (of_p + minf(of_q, NOISIER_MOST * of_p) + FLT_MIN);
+            float sum = 0.0f;
+            for (int c = 0; c < 3; c++) {
+                const float of_p = by->variance[c][p], of_q = by->variance[c][q];
+                const float explained = EXPLAINED * (of_p + minf(of_p, of_q));
+                sum += (sqrf(by->E[c][p] - by->E[c][q]) - explained) /
+                       (of_p + minf(of_q, NOISIER_MOST * of_p) + FLT_MIN);
+            }
+            t->difference[row * COMPARED + k] = of_channels * sum;
         }
 }
 
@@ -285,9 +292,11 @@ static rgb change_of(const struct noise_tile *t, const struct render_image *imag
 
 static void filter_tile(struct noise_tile *t, struct render_image *image, int x0, int y0) {
     read_tile(t, image, x0, y0);
-    for (int h = 0; h < HALVES; h++) set_means(&t->half[h], &t->half[1 - h]);
-    set_spread(t);
-    set_variances(t);
+    for (int c = 0; c < 3; c++) {
+        for (int h = 0; h < HALVES; h++) set_means(&t->half[h], &t->half[1 - h], c);
+        set_spread(t, c);
+        set_variances(t, c);
+    }
     memset(t->sum, 0, sizeof t->sum);
     memset(t->weight, 0, sizeof t->weight);
     for (int dy = -SEARCH; dy <= SEARCH; dy++)

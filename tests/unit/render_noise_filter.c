@@ -28,8 +28,9 @@ static struct parallel *noise_pool;
 
 // What a pixel shows: irradiance, of which samples have up to twice as much or none, and normal.
 struct noisy_point {
-    float E, noise;  // noise: in [0, 1]
+    float E, noise;  // E: of green and blue; noise: in [0, 1]
     vec3 n;
+    float red;  // irradiance of red over that of green
 };
 typedef struct noisy_point noise_scene_fn(int x, int y);
 
@@ -37,12 +38,12 @@ static rgb texture_of(int x, int y) {
     return rgb_make(0.2f + 0.6f * (float)((x + y) % 2), 0.5f, 0.1f + 0.1f * (float)(x % 5));
 }
 
-static void add_noisy_sample(int x, int y, uint32_t index, float E, vec3 n, float weight) {
-    const rgb albedo = texture_of(x, y);
+static void add_noisy_sample(int x, int y, uint32_t index, rgb E, vec3 n, float weight) {
+    const rgb albedo = texture_of(x, y), light = rgb_mul(albedo, E);
     // A third of the light is glossy.
-    struct shade_sample s = {.weight = weight, .uncached_glossy = rgb_scale(albedo, E / 3.0f)};
+    struct shade_sample s = {.weight = weight, .uncached_glossy = rgb_scale(light, 1.0f / 3.0f)};
     struct image_pixel *p = &noise_pixels[y * WIDE + x];
-    s.layer[SHADE_DIRECT] = rgb_scale(albedo, 2.0f / 3.0f * E);
+    s.layer[SHADE_DIRECT] = rgb_scale(light, 2.0f / 3.0f);
     p->layer[SHADE_DIRECT] = rgb_mad(p->layer[SHADE_DIRECT], s.layer[SHADE_DIRECT], weight);
     p->samples++;
     p->weight += weight;
@@ -59,8 +60,8 @@ static void fill_image(noise_scene_fn *at, uint32_t samples, float scale) {
             for (uint32_t k = 0; k < samples; k++) {
                 const struct noisy_point s = at(x, y);
                 struct rng rng = rng_make(5, RNG_TEST, (uint64_t)(y * WIDE + x) << 32 | k);
-                const float E = s.E * (1.0f + s.noise * (2.0f * rng_float(&rng) - 1.0f));
-                add_noisy_sample(x, y, k, scale * E, s.n, 1.0f);
+                const float E = scale * s.E * (1.0f + s.noise * (2.0f * rng_float(&rng) - 1.0f));
+                add_noisy_sample(x, y, k, rgb_make(s.red * E, E, E), s.n, 1.0f);
             }
 }
 
@@ -95,23 +96,31 @@ static double mean_square(light_fn *light, noise_scene_fn *at, double scale, dou
 static struct noisy_point even_light(int x, int y) {
     (void)x;
     (void)y;
-    return (struct noisy_point){1.0f, 1.0f, {0, 0, 1}};
+    return (struct noisy_point){1.0f, 1.0f, {0, 0, 1}, 1.0f};
 }
 
 // Light on both sides of an edge that no normal shows.
 static struct noisy_point shadow(int x, int y) {
     (void)y;
-    return (struct noisy_point){x < 45 ? 1.0f : 0.1f, 1.0f, {0, 0, 1}};
+    return (struct noisy_point){x < 45 ? 1.0f : 0.1f, 1.0f, {0, 0, 1}, 1.0f};
 }
 
 static struct noisy_point folded(int x, int y) {
     (void)y;
-    return x < 45 ? (struct noisy_point){1.0f, 1.0f, {0, 0, 1}}
-                  : (struct noisy_point){0.6f, 1.0f, {1, 0, 0}};
+    return x < 45 ? (struct noisy_point){1.0f, 1.0f, {0, 0, 1}, 1.0f}
+                  : (struct noisy_point){0.6f, 1.0f, {1, 0, 0}, 1.0f};
+}
+
+// Two colours of equal luminance.
+static struct noisy_point coloured(int x, int y) {
+    (void)y;
+    return x < 45 ? (struct noisy_point){1.0f, 0.2f, {0, 0, 1}, 1.0f}
+                  : (struct noisy_point){0.8f, 0.2f, {0, 0, 1}, 2.175f};
 }
 
 static struct noisy_point quiet(int x, int y) {
-    return (struct noisy_point){0.5f + 0.004f * (float)((x * 7 + y * 3) % 100), 0.0f, {0, 0, 1}};
+    return (struct noisy_point){
+        0.5f + 0.004f * (float)((x * 7 + y * 3) % 100), 0.0f, {0, 0, 1}, 1.0f};
 }
 
 // The noise of even_light light becomes much less, at any scale, whether a pixel has one sample or
@@ -134,8 +143,8 @@ static void test_even_light(void **state) {
 // Four samples show an edge between light and shadow: no noise of the one side is on the other one.
 static void test_edges(void **state) {
     (void)state;
-    noise_scene_fn *const edges[] = {shadow, folded};
-    for (int i = 0; i < 2; i++) {
+    noise_scene_fn *const edges[] = {shadow, folded, coloured};
+    for (int i = 0; i < 3; i++) {
         double bias, before, after;
         fill_image(edges[i], 4, 1.0f);
         before = mean_square(light_before, edges[i], 1.0, &bias);
@@ -161,7 +170,7 @@ static void test_bright_sample(void **state) {
     for (uint32_t k = 0; k < 2; k++) {
         double before = 0.0, after = 0.0;
         fill_image(even_light, 2, 1.0f);
-        add_noisy_sample(40, 30, k, 200.0f, v3(0, 0, 1), 1.0f);
+        add_noisy_sample(40, 30, k, rgb_grey(200.0f), v3(0, 0, 1), 1.0f);
         const float bright = light_before(40, 30);
         assert_true(render_noise_change(&noise_image, noise_pool));
         for (int y = 0; y < HIGH; y++)
@@ -187,7 +196,7 @@ static void test_unusable_pixels(void **state) {
     noise_pixels[30 * WIDE + 40] = (struct image_pixel){0};
     noisy_sums[30 * WIDE + 40] = (struct image_noisy){0};
     noise_pixels[50 * WIDE + 60].layer[SHADE_DIRECT] = rgb_grey(INFINITY);
-    add_noisy_sample(20, 20, 0, 1.0f, v3(0, 0, 1), -1.5f);  // a filter's negative lobe
+    add_noisy_sample(20, 20, 0, rgb_grey(1.0f), v3(0, 0, 1), -1.5f);  // a filter's negative lobe
     assert_true(render_noise_change(&noise_image, noise_pool));
     for (size_t i = 0; i < PIXELS; i++) assert_true(change_finite(i));
     assert_true(rgb_black(noise_change[30 * WIDE + 40].layer[NOISY_DIRECT]));
