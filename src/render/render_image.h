@@ -55,7 +55,8 @@ enum noisy_layer { NOISY_DIRECT, NOISY_GLOSSY, NOISY_LAYERS };
 struct image_noisy {
     rgb glossy;  // of all samples; that of direct light is the layer
     rgb odd[NOISY_LAYERS];
-    float weight;  // of the odd ones
+    float weight;                // of the odd ones
+    float sampled, odd_sampled;  // weight of those with sampled gloss, of all and of the odd ones
 };
 
 // What the filter of noise adds to the means of a pixel.

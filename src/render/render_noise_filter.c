@@ -42,8 +42,8 @@ enum {
 // One half of the samples: planes of EXTENT rows.
 struct half_plane {
     float light[NOISY_LAYERS][3][PIXELS_READ];  // weighted sums over the albedo
-    float weight[PIXELS_READ];
-    float E[3][PIXELS_READ];  // the mean
+    float weight[NOISY_LAYERS][PIXELS_READ];    // of the samples that have such light
+    float E[3][PIXELS_READ];                    // the mean
     float variance[3][PIXELS_READ];
 };
 
@@ -54,7 +54,8 @@ struct noise_tile {
     float spread[PIXELS_READ], around[PIXELS_READ];
     // The pixels that are filtered, row by row: how far surfaces differ, and weighted sums over
     // what is similar.
-    float surface[TILE * TILE], sum[NOISY_LAYERS][3][TILE * TILE], weight[TILE * TILE];
+    float surface[TILE * TILE], sum[NOISY_LAYERS][3][TILE * TILE];
+    float weight[NOISY_LAYERS][TILE * TILE];
     float difference[COMPARED * COMPARED];
     float row[COMPARED * TILE];  // sums of PATCH_SIDE of these
 };
@@ -72,7 +73,9 @@ bool render_noise_memory(struct render_image *image) {
 
 void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sample *s) {
     sum->glossy = rgb_mad(sum->glossy, s->uncached_glossy, s->weight);
+    if (s->sampled_glossy) sum->sampled += s->weight;
     if (!(parity & 1)) return;
+    if (s->sampled_glossy) sum->odd_sampled += s->weight;
     rgb *odd = sum->odd;
     odd[NOISY_DIRECT] = rgb_mad(odd[NOISY_DIRECT], s->layer[SHADE_DIRECT], s->weight);
     odd[NOISY_GLOSSY] = rgb_mad(odd[NOISY_GLOSSY], s->uncached_glossy, s->weight);
@@ -93,9 +96,13 @@ static rgb sum_of(const struct render_image *image, size_t at, enum noisy_layer 
                                  : image->noisy_light[at].glossy;
 }
 
+static float weight_of(const struct render_image *image, size_t at, enum noisy_layer layer) {
+    return layer == NOISY_DIRECT ? image->pixel[at].weight : image->noisy_light[at].sampled;
+}
+
 static void read_half(struct half_plane *half, size_t i, enum noisy_layer layer, rgb light,
                       rgb albedo) {
-    const bool usable = half->weight[i] > 0.0f;
+    const bool usable = half->weight[layer][i] > 0.0f;
     half->light[layer][0][i] = usable ? light.r / albedo.r : 0.0f;
     half->light[layer][1][i] = usable ? light.g / albedo.g : 0.0f;
     half->light[layer][2][i] = usable ? light.b / albedo.b : 0.0f;
@@ -107,10 +114,12 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
     const struct image_noisy *noisy = &image->noisy_light[at];
     const rgb albedo = mean_albedo(p), *n = &p->layer[SHADE_NORMAL];
     const float scale = render_image_scale(p);
-    t->half[0].weight[i] = maxf(p->weight - noisy->weight, 0.0f);
-    t->half[1].weight[i] = maxf(noisy->weight, 0.0f);
+    const float odd_weight[NOISY_LAYERS] = {noisy->weight, noisy->odd_sampled};
     for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++) {
         const rgb odd = noisy->odd[layer];
+        const float all = weight_of(image, at, layer);
+        t->half[0].weight[layer][i] = maxf(all - odd_weight[layer], 0.0f);
+        t->half[1].weight[layer][i] = maxf(odd_weight[layer], 0.0f);
         read_half(&t->half[0], i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
         read_half(&t->half[1], i, layer, odd, albedo);
     }
@@ -135,8 +144,11 @@ static void read_tile(struct noise_tile *t, const struct render_image *image, in
         }
 }
 
-static float sum_of_channel(const struct half_plane *half, int c, size_t i) {
-    return half->light[NOISY_DIRECT][c][i] + half->light[NOISY_GLOSSY][c][i];
+// Gloss of the samples that have some, beside direct light.
+static float mean_of_channel(const struct half_plane *half, int c, size_t i) {
+    const float sampled = half->weight[NOISY_GLOSSY][i];
+    return half->light[NOISY_DIRECT][c][i] / half->weight[NOISY_DIRECT][i] +
+           (sampled > 0.0f ? half->light[NOISY_GLOSSY][c][i] / sampled : 0.0f);
 }
 
 // The mean of a pixel without samples in this half is that of its neighbours or, as the last
@@ -146,18 +158,19 @@ static float mean_beside(const struct half_plane *half, const struct half_plane 
     const size_t around[4] = {i - 1, i + 1, i - EXTENT, i + EXTENT};
     float sum = 0.0f, weight = 0.0f;
     for (int k = 0; k < 4; k++) {
-        sum += sum_of_channel(half, c, around[k]);
-        weight += half->weight[around[k]];
+        const float beside = half->weight[NOISY_DIRECT][around[k]];
+        if (beside > 0.0f) sum += beside * mean_of_channel(half, c, around[k]);
+        weight += beside;
     }
     if (weight > 0.0f) return sum / weight;
-    return other->weight[i] > 0.0f ? sum_of_channel(other, c, i) / other->weight[i] : 0.0f;
+    return other->weight[NOISY_DIRECT][i] > 0.0f ? mean_of_channel(other, c, i) : 0.0f;
 }
 
 static void set_means(struct half_plane *half, const struct half_plane *other, int c) {
     for (int y = 1; y < EXTENT - 1; y++)
         for (size_t i = (size_t)(y * EXTENT + 1); i < (size_t)((y + 1) * EXTENT - 1); i++)
-            half->E[c][i] = half->weight[i] > 0.0f ? sum_of_channel(half, c, i) / half->weight[i]
-                                                   : mean_beside(half, other, c, i);
+            half->E[c][i] = half->weight[NOISY_DIRECT][i] > 0.0f ? mean_of_channel(half, c, i)
+                                                                 : mean_beside(half, other, c, i);
 }
 
 // The variance of one unit of weight is known by how far both halves differ. A half without samples
@@ -166,8 +179,10 @@ static void set_spread(struct noise_tile *t, int c) {
     const struct half_plane *a = &t->half[0], *b = &t->half[1];
     for (int y = 1; y < EXTENT - 1; y++)
         for (int i = y * EXTENT + 1; i < (y + 1) * EXTENT - 1; i++) {
-            const float of_a = a->weight[i] > 0.0f ? a->weight[i] : 1.0f,
-                        of_b = b->weight[i] > 0.0f ? b->weight[i] : 1.0f;
+            const float of_a =
+                            a->weight[NOISY_DIRECT][i] > 0.0f ? a->weight[NOISY_DIRECT][i] : 1.0f,
+                        of_b =
+                            b->weight[NOISY_DIRECT][i] > 0.0f ? b->weight[NOISY_DIRECT][i] : 1.0f;
             t->spread[i] = sqrf(a->E[c][i] - b->E[c][i]) * (of_a * of_b / (of_a + of_b));
         }
 }
@@ -192,7 +207,7 @@ static void set_variances(struct noise_tile *t, int c) {
             float least = t->around[i];
             for (int k = 0; k < 4; k++) least = minf(least, t->around[i + corner[k]]);
             for (int h = 0; h < HALVES; h++) {
-                const float weight = t->half[h].weight[i];
+                const float weight = t->half[h].weight[NOISY_DIRECT][i];
                 t->half[h].variance[c][i] = least / (weight > 0.0f ? weight : 1.0f);
             }
         }
@@ -270,10 +285,11 @@ static void add_similar(struct noise_tile *t, const struct half_plane *half, int
             for (int i = 0; i < PATCH_SIDE; i++) sum += t->row[to + i * TILE];
             const float differs = (sum < 0.0f ? 0.0f : sum * of_patch) + t->surface[to];
             const float similar = sqrf(sqrf(maxf(1.0f - of_most * differs, 0.0f)));
-            for (int layer = 0; layer < NOISY_LAYERS; layer++)
+            for (int layer = 0; layer < NOISY_LAYERS; layer++) {
                 for (int c = 0; c < 3; c++)
                     t->sum[layer][c][to] += similar * half->light[layer][c][q];
-            t->weight[to] += similar * half->weight[q];
+                t->weight[layer][to] += similar * half->weight[layer][q];
+            }
         }
 }
 
@@ -282,9 +298,10 @@ static void add_similar(struct noise_tile *t, const struct half_plane *half, int
 static rgb change_of(const struct noise_tile *t, const struct render_image *image, int i, size_t at,
                      enum noisy_layer layer) {
     const struct image_pixel *p = &image->pixel[at];
-    if (!p->samples || !(t->weight[i] > 0.0f)) return rgb_grey(0.0f);
+    if (!p->samples || !(t->weight[layer][i] > 0.0f)) return rgb_grey(0.0f);
     const float(*sum)[TILE * TILE] = t->sum[layer];
-    const rgb E = rgb_scale(rgb_make(sum[0][i], sum[1][i], sum[2][i]), 1.0f / t->weight[i]);
+    const float share = weight_of(image, at, layer) * render_image_scale(p);
+    const rgb E = rgb_scale(rgb_make(sum[0][i], sum[1][i], sum[2][i]), share / t->weight[layer][i]);
     const rgb own = rgb_scale(sum_of(image, at, layer), render_image_scale(p));
     const rgb change = rgb_sub(rgb_mul(E, mean_albedo(p)), own);
     return rgb_finite(change) ? change : rgb_grey(0.0f);

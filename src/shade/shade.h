@@ -33,6 +33,7 @@ struct shade_sample {
     rgb beauty;               // the sum of the light layers; of `path`, all light
     rgb uncached;             // the reflected light in it that is from no record, which is noisy
     rgb uncached_glossy;      // that of SHADE_INDIRECT_GLOSSY
+    bool sampled_glossy;      // whether some of that layer is from no record
     rgb layer[SHADE_LAYERS];  // of the first surface that is not ideal specular; the normal is x y
                               // z
     float depth;              // distance to the first surface; 0 if there is none

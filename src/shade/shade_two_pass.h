@@ -29,9 +29,10 @@ static inline void shade_add_uncached(struct shade_lighting *lighting, enum shad
                                       rgb L) {
     shade_add_cached(lighting, layer, L);
     lighting->out->uncached = rgb_fma(lighting->out->uncached, lighting->vertex->T, L);
-    if (layer == SHADE_INDIRECT_GLOSSY)
-        lighting->out->uncached_glossy =
-            rgb_fma(lighting->out->uncached_glossy, lighting->vertex->T, L);
+    if (layer != SHADE_INDIRECT_GLOSSY) return;
+    lighting->out->uncached_glossy =
+        rgb_fma(lighting->out->uncached_glossy, lighting->vertex->T, L);
+    lighting->out->sampled_glossy = true;
 }
 
 // Adds direct light (shade_direct.c). `rays` gather rays of the lobes `sampled`, drawn by the

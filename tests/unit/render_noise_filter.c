@@ -41,7 +41,8 @@ static rgb texture_of(int x, int y) {
 static void add_noisy_sample(int x, int y, uint32_t index, rgb E, vec3 n, float weight) {
     const rgb albedo = texture_of(x, y), light = rgb_mul(albedo, E);
     // A third of the light is glossy.
-    struct shade_sample s = {.weight = weight, .uncached_glossy = rgb_scale(light, 1.0f / 3.0f)};
+    struct shade_sample s = {
+        .weight = weight, .uncached_glossy = rgb_scale(light, 1.0f / 3.0f), .sampled_glossy = true};
     struct image_pixel *p = &noise_pixels[y * WIDE + x];
     s.layer[SHADE_DIRECT] = rgb_scale(light, 2.0f / 3.0f);
     p->layer[SHADE_DIRECT] = rgb_mad(p->layer[SHADE_DIRECT], s.layer[SHADE_DIRECT], weight);
