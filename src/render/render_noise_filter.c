@@ -300,8 +300,9 @@ static rgb change_of(const struct noise_tile *t, const struct render_image *imag
     const struct image_pixel *p = &image->pixel[at];
     if (!p->samples || !(t->weight[layer][i] > 0.0f)) return rgb_grey(0.0f);
     const float(*sum)[TILE * TILE] = t->sum[layer];
-    const float share = weight_of(image, at, layer) * render_image_scale(p);
-    const rgb E = rgb_scale(rgb_make(sum[0][i], sum[1][i], sum[2][i]), share / t->weight[layer][i]);
+    const float fraction = weight_of(image, at, layer) * render_image_scale(p);
+    const rgb E =
+        rgb_scale(rgb_make(sum[0][i], sum[1][i], sum[2][i]), fraction / t->weight[layer][i]);
     const rgb own = rgb_scale(sum_of(image, at, layer), render_image_scale(p));
     const rgb change = rgb_sub(rgb_mul(E, mean_albedo(p)), own);
     return rgb_finite(change) ? change : rgb_grey(0.0f);
