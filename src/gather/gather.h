@@ -152,6 +152,10 @@ struct gather_entry_samples {
 // SATIN_ERROR_MEMORY or SATIN_CANCELLED, *out is unchanged.
 satin_status gather_direct_build(const struct gather *g, struct gather_entry_samples samples,
                                  struct parallel *pool, struct gather_direct *out);
+// Does so at no more than `most` of them, without a result, to measure the time. *fraction is that
+// of the entries.
+satin_status gather_direct_try(const struct gather *g, struct gather_entry_samples samples,
+                               size_t most, struct parallel *pool, double *fraction);
 size_t gather_direct_bytes(const struct gather_direct *direct);
 void gather_direct_free(struct gather_direct *direct);  // a zeroed one is allowed
 

@@ -27,6 +27,7 @@ struct direct_loop {
     struct gather_direct *direct;
     float *noise2;  // variance of the luminance of an entry's E
     struct gather_entry_samples samples;
+    size_t step;  // one in so many entries is sampled
 };
 
 // A white diffuse surface at an entry.
@@ -54,11 +55,13 @@ static void sample_entries(void *ctx, size_t begin, size_t end, int worker) {
     const uint32_t seed = (uint32_t)rng_mix(g->options->seed + RNG_GATHER_HIT);
     for (size_t i = begin; i < end; i++) {
         vec3 p, n;
-        photon_irradiance_position(g->maps, i, &p, &n);
+        const size_t entry = i * loop->step;
+        photon_irradiance_position(g->maps, entry, &p, &n);
         const struct shading_point point = white_point(diffuse, p, n);
         const struct gather_mis alone = {2, {{BRDF_DIFFUSE, 0.0f}}};
         const int count = count_samples(loop, &point);
-        const struct gather_light_samples light_samples = {count, (uint32_t)i * (uint32_t)count};
+        const struct gather_light_samples light_samples = {count,
+                                                           (uint32_t)entry * (uint32_t)count};
         const struct sampler sampler = {0, seed, 0};
         float variance;
         const rgb L = gather_sample_lights(g, &point, alone, light_samples, sampler, &variance);
@@ -106,29 +109,56 @@ static void compare_entries(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) loop->direct->similar[i] = entries_agree(loop, i);
 }
 
+static satin_status sample_all_entries(struct direct_loop *loop, struct parallel *pool,
+                                       bool journaled) {
+    struct gather_direct *direct = loop->direct;
+    direct->count = photon_irradiance_count(loop->g->maps) / loop->step;
+    direct->E = array_new(direct->count, sizeof *direct->E);
+    loop->noise2 = array_new(direct->count, sizeof *loop->noise2);
+    if (!direct->E || !loop->noise2) return SATIN_ERROR_MEMORY;
+    const struct parallel_results lit = {
+        .slot = {{direct->E, sizeof *direct->E}, {loop->noise2, sizeof *loop->noise2}},
+        .journaled = journaled};
+    return parallel_for_results(pool, direct->count, LIT_ENTRIES_CHUNK, sample_entries, loop, &lit)
+               ? SATIN_OK
+               : SATIN_CANCELLED;
+}
+
+static satin_status compare_with_neighbours(struct direct_loop *loop, struct parallel *pool) {
+    struct gather_direct *direct = loop->direct;
+    direct->similar = array_new(direct->count, sizeof *direct->similar);
+    if (!direct->similar) return SATIN_ERROR_MEMORY;
+    const struct parallel_results compared = {.slot = {{direct->similar, sizeof *direct->similar}}};
+    return parallel_for_results(pool, direct->count, LIT_ENTRIES_CHUNK, compare_entries, loop,
+                                &compared)
+               ? SATIN_OK
+               : SATIN_CANCELLED;
+}
+
 satin_status gather_direct_build(const struct gather *g, struct gather_entry_samples samples,
                                  struct parallel *pool, struct gather_direct *out) {
-    struct gather_direct direct = {.count = photon_irradiance_count(g->maps)};
-    direct.E = array_new(direct.count, sizeof *direct.E);
-    direct.similar = array_new(direct.count, sizeof *direct.similar);
-    float *noise2 = array_new(direct.count, sizeof *noise2);
-    struct direct_loop loop = {g, &direct, noise2, samples};
-    const struct parallel_results lit = {
-        .slot = {{direct.E, sizeof *direct.E}, {noise2, sizeof *noise2}}, .journaled = true};
-    const struct parallel_results compared = {.slot = {{direct.similar, sizeof *direct.similar}}};
-    satin_status status = SATIN_OK;
-    if (!direct.E || !direct.similar || !noise2)
-        status = SATIN_ERROR_MEMORY;
-    else if (!parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, sample_entries, &loop,
-                                   &lit) ||
-             !parallel_for_results(pool, direct.count, LIT_ENTRIES_CHUNK, compare_entries, &loop,
-                                   &compared))
-        status = SATIN_CANCELLED;
-    free(noise2);
+    struct gather_direct direct = {0};
+    struct direct_loop loop = {g, &direct, NULL, samples, 1};
+    satin_status status = sample_all_entries(&loop, pool, true);
+    if (status == SATIN_OK) status = compare_with_neighbours(&loop, pool);
+    free(loop.noise2);
     if (status == SATIN_OK)
         *out = direct;
     else
         gather_direct_free(&direct);
+    return status;
+}
+
+satin_status gather_direct_try(const struct gather *g, struct gather_entry_samples samples,
+                               size_t most, struct parallel *pool, double *fraction) {
+    const size_t entries = photon_irradiance_count(g->maps);
+    struct gather_direct direct = {0};
+    const size_t step = entries > most ? (entries + most - 1) / most : 1;
+    struct direct_loop loop = {g, &direct, NULL, samples, step};
+    const satin_status status = sample_all_entries(&loop, pool, false);
+    *fraction = direct.count > 0 ? (double)direct.count / (double)entries : 1.0;
+    free(loop.noise2);
+    gather_direct_free(&direct);
     return status;
 }
 

@@ -58,15 +58,16 @@ static const double WRITE_SECONDS = 0.05;
 // That of emission that is sampled after the limit, at one pixel of the film [core s]: .05 to .9e-6
 // in three scenes (640x360), 3 to 5e-6 in three where lamps or windows are seen through glass.
 static const double RIMS_SECONDS = 1.2e-6;
-// That of the filter of irradiance at one pixel [core s]: 4.1 s where 92,000 of the pixels of
-// living-room gathered.
-static const double FILTER_SECONDS = 4.5e-5;
+// The time of a pixel in a kernel of irradiance, over that of a pixel in the filter of noise, which
+// is measured: 16 times as long for a kernel of 24 pixels, on two machines of which one is half as
+// fast.
+static const double KERNEL_PIXEL = 1.0 / 36.0;
 // The largest fraction of the time limit for it: the last tenth of the samples lowers the error by
 // a tenth, the filter by a quarter and more. And its longest time after a cancellation [s].
 static const double FILTER_FRACTION = 0.1, FILTER_CANCELLED = 0.5;
 
-// The time of the filter of noise at one pixel [core s], and the largest fraction of the limit.
-static const double NOISE_FILTER_SECONDS = 5e-6, NOISE_FILTER_FRACTION = 0.25;
+// The largest fraction of the limit for the filter of noise.
+static const double NOISE_FILTER_FRACTION = 0.25;
 
 enum {
     EQUAL_LEAST = 2,     // least number of samples per pixel that are distributed equally
@@ -153,34 +154,46 @@ bool render_budget_denoises(const struct render *r) {
     return !render_cancelled(r) || denoise_seconds(r) <= DENOISE_SECONDS;
 }
 
+// The time of the filter of noise, which a render without a time limit needs to know only after it
+// was cancelled.
+static double noise_seconds(const struct render *r) {
+    const double measured = r->progress.noise_pixel_seconds;
+    const double pixels = (double)r->options.width * (double)r->options.height;
+    return (measured > 0.0 ? measured : render_noise_pixel_seconds()) * pixels /
+           parallel_threads(r->pool);
+}
+
+static double noise_filter_estimate(const struct render *r) {
+    return r->image && r->image->noisy_light ? noise_seconds(r) : 0.0;
+}
+
 // The time of the filter of irradiance, if as many pixels gather as points have so far.
 static double filter_estimate(const struct render *r) {
     if (!r->image || !r->image->gathered || r->image->counts.points == 0) return 0.0;
     const struct shade_counts *counts = &r->image->counts;
-    const double pixels = (double)r->options.width * (double)r->options.height;
-    return FILTER_SECONDS * pixels * (double)counts->gathered / (double)counts->points /
-           parallel_threads(r->pool);
+    const double radius = render_irradiance_radius(r->image, &r->options);
+    return KERNEL_PIXEL * radius * radius * noise_seconds(r) * (double)counts->gathered /
+           (double)counts->points;
+}
+
+// The longest time of a filter that may take this fraction of the limit.
+static double filter_most(const struct render *r, double fraction) {
+    return render_cancelled(r) ? FILTER_CANCELLED : fraction * time_limit(r);
 }
 
 bool render_budget_filters(const struct render *r) {
-    const double seconds = filter_estimate(r);
-    if (render_cancelled(r)) return seconds <= FILTER_CANCELLED;
-    return seconds <= FILTER_FRACTION * time_limit(r);
-}
-
-static double noise_filter_estimate(const struct render *r) {
-    if (!r->image || !r->image->noisy_light) return 0.0;
-    const double pixels = (double)r->options.width * (double)r->options.height;
-    return NOISE_FILTER_SECONDS * pixels / parallel_threads(r->pool);
+    const double most = filter_most(r, FILTER_FRACTION);
+    return isinf(most) || filter_estimate(r) <= most;
 }
 
 bool render_budget_filters_noise(const struct render *r) {
-    const double seconds = noise_filter_estimate(r);
-    if (render_cancelled(r)) return seconds <= FILTER_CANCELLED;
-    return seconds <= NOISE_FILTER_FRACTION * time_limit(r);
+    const double most = filter_most(r, NOISE_FILTER_FRACTION);
+    return isinf(most) || noise_filter_estimate(r) <= most;
 }
 
+// The time after the image; 0 without a time limit.
 static double finish_seconds(const struct render *r) {
+    if (!(r->options.time > 0.0)) return 0.0;
     const double pixels = (double)r->options.width * (double)r->options.height;
     const double filter = render_budget_filters(r) ? filter_estimate(r) : 0.0;
     const double rims = render_has_rims(r) ? RIMS_SECONDS : 0.0;
@@ -198,8 +211,9 @@ static double image_seconds(const struct render *r) {
 void render_budget_begin(struct render *r) {
     const satin_film *film = r->image->film;
     const bool full_float = film->full_float || r->callbacks.full_float;
-    if (r->options.time > 0.0)
-        r->progress.write_pixel_seconds = film_exr_pixel_seconds(film->channel_count, full_float);
+    if (!(r->options.time > 0.0)) return;
+    r->progress.write_pixel_seconds = film_exr_pixel_seconds(film->channel_count, full_float);
+    r->progress.noise_pixel_seconds = render_noise_pixel_seconds();
 }
 
 // ---- Limits of loops ----------------------------------------------------------------------------

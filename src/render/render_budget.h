@@ -97,7 +97,7 @@ struct guide_visibility_samples render_budget_visibility(const satin_options *op
 // meets one as a bright disc: in living-room, with 33 times, 8, 16, 32, 64 and 128 samples leave
 // 69, 50, 18, 2 and 0 of 3,700 entries that are read with more than six times the light around
 // them.
-enum { RENDER_ENTRY_SAMPLES = 8, RENDER_ENTRY_SKY_SAMPLES = 64 };
+struct gather_entry_samples render_budget_entry_samples(void);
 // The fraction of its photons that a render traces first, to measure their time or light.
 double render_budget_first_photons(void);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect

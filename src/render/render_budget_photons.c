@@ -108,6 +108,10 @@ static double photons_end(const struct render *r, double caustics) {
     return r->options.time > 0.0 ? until * r->options.time : INFINITY;
 }
 
+struct gather_entry_samples render_budget_entry_samples(void) {
+    return (struct gather_entry_samples){.sky = 64, .others = 8};
+}
+
 double render_budget_first_photons(void) { return FIRST_PHOTONS; }
 
 // The fraction of the samples by which the first pass finds where light is that a time limit

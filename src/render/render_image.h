@@ -180,6 +180,8 @@ void render_film_put(const struct render_image *image, const struct channel_plan
 // The number of rays from which on it averages no more; 0 if an image with these options is not
 // filtered.
 float render_irradiance_rays(const satin_options *options);
+// The largest radius of a kernel, in pixels.
+float render_irradiance_radius(const struct render_image *image, const satin_options *options);
 // Adds what a sample has gathered.
 void render_irradiance_gathered(struct image_gathered *sum, const struct shade_sample *sample);
 // The change of the diffuse indirect light of pixel (x, y), which has a sample.
@@ -196,6 +198,9 @@ bool render_noise_memory(struct render_image *image);
 void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sample *sample);
 // Sets image->change, for an image with samples. False if there is no memory.
 bool render_noise_change(struct render_image *image, struct parallel *pool);
+// What a pixel takes of one core, measured at some of them that have no samples; 0 if there is no
+// memory.
+double render_noise_pixel_seconds(void);
 // Filters the image, if each pixel has a sample and there is the time. False if there is no memory.
 bool render_noise_filter(struct render *r);
 

@@ -76,16 +76,20 @@ struct irradiance_window {
 };
 
 // The largest kernel is at least as wide as the least records, as the image reads them.
-static struct irradiance_window window_at(const struct render_image *image, const satin_options *o,
-                                          int x, int y) {
+float render_irradiance_radius(const struct render_image *image, const satin_options *o) {
     const float film = (float)(image->width > image->height ? image->width : image->height);
     const float records = o->irradiance_min_pixels * o->irradiance_widen;
+    return fminf(fmaxf(records, RADIUS_FILM * film), RADIUS_MOST);
+}
+
+static struct irradiance_window window_at(const struct render_image *image, const satin_options *o,
+                                          int x, int y) {
     return (struct irradiance_window){
         .p = &image->gathered[(size_t)y * (size_t)image->width + (size_t)x],
         .image = image,
         .x = x,
         .y = y,
-        .radius = fminf(fmaxf(records, RADIUS_FILM * film), RADIUS_MOST),
+        .radius = render_irradiance_radius(image, o),
         .a = o->irradiance_a * o->irradiance_widen};
 }
 

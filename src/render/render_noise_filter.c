@@ -360,6 +360,24 @@ bool render_noise_change(struct render_image *image, struct parallel *pool) {
     return true;
 }
 
+double render_noise_pixel_seconds(void) {
+    struct render_image *trial = calloc(1, sizeof *trial);
+    struct noise_tile *tile = array_new(1, sizeof *tile);
+    double seconds = 0.0;
+    if (trial) {
+        trial->width = trial->height = TILE;
+        trial->pixel = calloc(TILE * TILE, sizeof *trial->pixel);
+    }
+    if (tile && trial && trial->pixel && render_noise_memory(trial)) {
+        const double start = stats_wall();
+        filter_tile(tile, trial, 0, 0);
+        seconds = (stats_wall() - start) / (TILE * TILE);
+    }
+    render_image_free(trial);
+    free(tile);
+    return seconds;
+}
+
 bool render_noise_filter(struct render *r) {
     const struct render_image *image = r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;

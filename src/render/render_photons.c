@@ -63,6 +63,9 @@ static double caustics(const struct render *r) {
     return render_budget_caustics(photon_caustic_fraction(r->first_pass.maps));
 }
 
+// Entries of irradiance whose direct light shows how long it takes.
+enum { ENTRIES_TIMED = 512 };
+
 static void set_made(struct render *r, int64_t photons) {
     r->first_pass.made =
         r->first_pass.wanted ? (double)photons / (double)r->first_pass.wanted : 0.0;
@@ -144,6 +147,20 @@ static double expected_seconds(const struct render *r, double first) {
     const double others = fmax(render_photon_seconds(r) - trace - clusters, 0.0);
     return trace * paths_traced(r, 1.0) / fmax(paths_traced(r, first), 1.0) + clusters +
            others / first;
+}
+
+// Direct light at the entries of the first photons' estimate, a fraction of all: the seconds that
+// it will take at all of them, by that at a few.
+static satin_status expected_direct(const struct render *r, double first, double *seconds) {
+    *seconds = 0.0;
+    if (!photon_precomputes_direct(&r->options)) return SATIN_OK;
+    const struct gather g = render_gather(r);
+    const double start = stats_wall();
+    double fraction;
+    const satin_status status =
+        gather_direct_try(&g, render_budget_entry_samples(), ENTRIES_TIMED, r->pool, &fraction);
+    *seconds = render_agreed(r, stats_wall() - start) / (fraction * first);
+    return status;
 }
 
 // Builds the maps from the first photons, a fraction of them. Others of all of them follow, or of
@@ -240,8 +257,12 @@ satin_status render_photons(struct render *r) {
     const bool too_slow = !render_has_stage(r, STAGE_PHOTONS);
     if (too_slow) r->stats = before;
     if (status != SATIN_OK || too_slow) return status;
-    struct render_photon_counts more = render_budget_photons(
-        r, expected_seconds(r, first), starved(r, first * (double)r->options.photons), caustics(r));
+    double direct;
+    status = expected_direct(r, first, &direct);
+    if (status != SATIN_OK) return status;
+    struct render_photon_counts more =
+        render_budget_photons(r, expected_seconds(r, first) + direct,
+                              starved(r, first * (double)r->options.photons), caustics(r));
     if (r->first_pass.caustics_chosen) more.caustic = 1.0;
     if (!(more.fraction > 0.0)) return SATIN_OK;
     render_memory_grow(r, &more);
@@ -253,10 +274,8 @@ satin_status render_direct(struct render *r) {
     if (!photon_precomputes_direct(&r->options) || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");
-    const struct gather_entry_samples samples = {.sky = RENDER_ENTRY_SKY_SAMPLES,
-                                                 .others = RENDER_ENTRY_SAMPLES};
-    satin_status status =
-        gather_direct_build(&r->second_pass.gather, samples, r->pool, &r->first_pass.direct);
+    satin_status status = gather_direct_build(&r->second_pass.gather, render_budget_entry_samples(),
+                                              r->pool, &r->first_pass.direct);
     if (status != SATIN_OK) return status;
     r->second_pass.gather.direct = &r->first_pass.direct;
     stats_set(&r->stats, "photons.direct_s", stats_wall() - start);

@@ -129,13 +129,19 @@ static bool level_pays(const struct record_rounds *rounds, const struct record_l
                                                     render_budget_first_round(rounds->r));
 }
 
+// Whether paths would find the light: caustics are noise for them, which a denoiser removes.
+static bool paths_find_light(const struct render *r) {
+    return render_budget_caustics(photon_caustic_fraction(r->first_pass.maps)) < 1.0;
+}
+
 // Goes on without records. If the image then has too few samples, paths are traced.
 static satin_status leave_records(struct render *r) {
     struct render_pace pace = {0};
     render_take_course(r, COURSE_WITHOUT_RECORDS);
     r->second_pass.shade.records.cache = NULL;
     const satin_status status = render_first_pilot(r, &pace);
-    if (status != SATIN_OK || !render_budget_traces_paths(r, pace.samples)) return status;
+    if (status != SATIN_OK || !render_budget_traces_paths(r, pace.samples) || !paths_find_light(r))
+        return status;
     return render_trace_paths(r);
 }
 

@@ -248,8 +248,29 @@ static void empty_maps_have_no_entries(void **state) {
     lit_cube_free(&cube);
 }
 
+// The time of all entries is measured at some of them: no more than asked for, but half as many.
+static void some_entries_are_tried(void **state) {
+    (void)state;
+    struct lit_cube cube;
+    lit_cube_make(&cube, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1.0f)}, 4000);
+    const struct gather g = gather_make(&cube.t.scene, &satin_options_default, cube.maps);
+    const struct gather_entry_samples samples = {1, 1};
+    struct parallel *pool = parallel_new(2);
+    const size_t most[] = {1, cube.direct.count / 3, cube.direct.count, 2 * cube.direct.count};
+    for (size_t i = 0; i < sizeof most / sizeof *most; i++) {
+        double fraction;
+        assert_int_equal(gather_direct_try(&g, samples, most[i], pool, &fraction), SATIN_OK);
+        const double tried = fraction * (double)cube.direct.count;
+        assert_true(tried <= (double)most[i] + 1e-6);
+        assert_true(tried >= fmin(1.0, 0.5 * (double)most[i]) && fraction <= 1.0);
+    }
+    parallel_free(pool);
+    lit_cube_free(&cube);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(some_entries_are_tried),
         cmocka_unit_test(a_point_light_is_exact),
         cmocka_unit_test(edges_of_spots_are_not_read),
         cmocka_unit_test(beams_between_entries_are_found),
