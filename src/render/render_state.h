@@ -75,7 +75,8 @@ struct render_progress {
                                    // many photons of caustics; 0: not known
     double last_report;            // wall clock at the last report to the caller
     struct render_forecast forecast;
-    // Of one core for writing a pixel of the film, and for filtering its noise; 0: no time limit.
+    // Seconds of one core for writing a pixel of the film, and for filtering its noise; 0: there is
+    // no time limit.
     double write_pixel_seconds, noise_pixel_seconds;
 };
 
