@@ -258,10 +258,16 @@ struct shade_missing render_budget_missing(const satin_options *options, double 
 // The cost of a sample without light samples, over that of a light sample, by the counts of all
 // samples so far. Each pixel divides its time between both by it.
 float render_budget_sample_cost(const struct shade_counts *counts);
-// The number of eye rays for emission alone in each of the pixels at rims, a power of two. They are
-// this fraction of all pixels, and others have `first`. `late`: the time limit is over.
-uint32_t render_budget_rim_rays(const satin_options *options, double core_seconds, double fraction,
-                                uint32_t first, bool late);
+// What is known of the pixels at rims.
+struct render_rim_rays {
+    double fraction;  // of all pixels
+    double seconds;   // of one core for one ray at each of them; 0: not known
+    uint32_t first;   // rays for emission in other pixels
+    bool late;        // whether the time limit is over
+};
+// The number of eye rays for emission alone in each of them, a power of two or 0.
+uint32_t render_budget_rim_rays(const satin_options *options, double core_seconds,
+                                const struct render_rim_rays *rims);
 // By how much the number of samples of a noisy pixel may grow in one pass, as a factor: half of its
 // number, as many samples show its noise well enough for more, within these limits. The tail of a
 // filter beside an edge needs hundreds of samples (docs/experiments/direct-light.md).

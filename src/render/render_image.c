@@ -104,6 +104,8 @@ static bool next_pass(struct render *r, uint64_t *samples) {
     struct render_image *image = r->image;
     parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
+    // Again, as the samples so far show how long the filter of irradiance will take.
+    render_limit_image(r);
     *samples = render_budget_pass(r, image->taken, image->sample_seconds);
     if (*samples == 0) return false;
     if (image->taken < render_budget_equal_samples(&r->options) * pixels)

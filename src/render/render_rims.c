@@ -20,6 +20,7 @@ enum {
     CHUNK_ROWS = 8,             // rows per chunk of the search
     CHANCE_FRACTION = 4,        // for this number of rays at rims, one more decides about them
     CHANCE_BEGIN = 0x40000000,  // index of the first of those
+    RIMS_TIMED = 4096,          // pixels at rims whose rays show how long they take
     FIRST_RAYS_MOST = 1 << 16,  // rays of a pixel that is at no rim
     RARE_DOUBLED = 3            // they are doubled so often where emission is rare
 };
@@ -302,13 +303,36 @@ static bool trace_from(struct rims *rims, size_t begin, satin_status *status) {
                                 &rims_results);
 }
 
+static void time_rays(void *ctx, size_t begin, size_t end, int worker) {
+    const struct rims *rims = ctx;
+    const size_t step = rims->count / RIMS_TIMED + 1;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        float weight;
+        (void)trace_ray(rims, rims->pixel[i * step], CHANCE_BEGIN, &weight);
+    }
+}
+
+// The time of one core for one ray at each rim, measured at some of them by rays that do not count.
+static double ray_seconds(struct rims *rims) {
+    struct parallel *pool = rims->r->pool;
+    const size_t step = rims->count / RIMS_TIMED + 1, timed = rims->count / step;
+    const double start = stats_wall();
+    parallel_for_all(pool, timed, RIMS_CHUNK, time_rays, rims);
+    return render_agreed(rims->r, stats_wall() - start) * parallel_threads(pool) * (double)step;
+}
+
 // Likewise, of all pixels at rims.
 static bool sample_rims(struct rims *rims, satin_status *status) {
     struct render *r = rims->r;
     const double pixels = (double)r->image->width * (double)r->image->height;
     if (rims->count == 0) return true;
-    rims->most = render_budget_rim_rays(&r->options, render_core_seconds(r),
-                                        (double)rims->count / pixels, rims->first, rims->late);
+    const struct render_rim_rays known = {
+        .fraction = (double)rims->count / pixels,
+        .seconds = r->options.time > 0.0 ? ray_seconds(rims) : 0.0,
+        .first = rims->first,
+        .late = rims->late};
+    rims->most = render_budget_rim_rays(&r->options, render_core_seconds(r), &known);
     if (!trace_from(rims, 0, status)) return false;
     const size_t found = rims->count;
     if ((double)evaluate_rims(rims) > RARE_FRACTION * pixels)

@@ -409,17 +409,23 @@ static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
         o.time = row[i].core_seconds > 0.0 ? 1.0 : 0.0;
         for (size_t rims = 1; rims <= pixels; rims *= 2) {
             const double fraction = (double)rims / (double)pixels;
-            const uint32_t rays =
-                render_budget_rim_rays(&o, row[i].core_seconds, fraction, 4, false);
+            struct render_rim_rays known = {.fraction = fraction, .first = 4};
+            const uint32_t rays = render_budget_rim_rays(&o, row[i].core_seconds, &known);
             assert_true(rays > 0 && (rays & (rays - 1)) == 0);
             assert_true(rays * rims <= 16 * pixels);
             assert_true(rays == row[i].most || 2 * rays * rims > 16 * pixels);
-            const uint32_t late =
-                render_budget_rim_rays(&o, row[i].core_seconds, fraction, 1, true);
+            known.seconds = 1e-4 * (double)rims;
+            const uint32_t fit = render_budget_rim_rays(&o, row[i].core_seconds, &known);
+            const double most = o.time > 0.0 ? 0.05 * row[i].core_seconds : INFINITY;
+            assert_true(fit * known.seconds <= most && fit <= rays);
+            assert_true(fit == rays || 2.0 * (fit + 0.5) * known.seconds > most);
+            known = (struct render_rim_rays){.fraction = fraction, .first = 1, .late = true};
+            const uint32_t late = render_budget_rim_rays(&o, row[i].core_seconds, &known);
             assert_true(late > 0 && late <= rays && late * rims <= 2 * pixels);
         }
         // Where all pixels have many rays, those at rims have at least as many.
-        assert_true(render_budget_rim_rays(&o, row[i].core_seconds, 1.0, 32, false) == 64);
+        const struct render_rim_rays all = {.fraction = 1.0, .first = 32};
+        assert_true(render_budget_rim_rays(&o, row[i].core_seconds, &all) == 64);
     }
 }
 
