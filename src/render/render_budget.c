@@ -103,8 +103,8 @@ static const double RIM_RAYS_MEAN = 16.0;
 // That after a time limit, which they exceed. With 16, in a room with many windows at 640x360, a
 // limit of 12 CPU seconds ended after 13.5.
 static const double RIM_RAYS_MEAN_LATE = 2.0;
-// The largest fraction of a time limit for rays at rims. RIM_RAYS_MEAN alone takes 11 and 17 % of 10
-// s in two furnished rooms at 640x360, where this leaves .76 and .8 of the error.
+// The largest fraction of a time limit for rays at rims. RIM_RAYS_MEAN alone takes 11 and 17 % of
+// 10 s in two furnished rooms at 640x360, where this leaves .76 and .8 of the error.
 static const double RIMS_FRACTION = 0.05;
 // The number of samples per pixel below which a denoised image without records is worse than one of
 // paths, of which two to four times as many fit. With 1.5 instead of 0, relMSE x 10^4 is 354
