@@ -38,9 +38,8 @@ static float fraction_covered(const struct image_pixel *pixel, float weight) {
 
 // The mean of what is for emission alone, as soon as it is there.
 static rgb mean_emission(const struct image_pixel *pixel) {
-    if (!(pixel->emission.weight > 0.0f))
-        return rgb_scale(pixel->layer[SHADE_EMISSION], render_image_scale(pixel));
-    return rgb_scale(pixel->emission.sum, 1.0f / pixel->emission.weight);
+    if (pixel->emission.weight > 0.0f) return render_emission_mean(&pixel->emission);
+    return rgb_scale(pixel->layer[SHADE_EMISSION], render_image_scale(pixel));
 }
 
 static void put_pixel(const struct channel_planes *planes, size_t at,

@@ -10,12 +10,22 @@
 #include "render/render_state.h"
 
 // What the emission layer of a pixel is made of: some of its samples, and additional eye rays for
-// emitted light alone (render_rims.c).
+// emitted light alone, a few in all pixels and more in those at rims (render_rims.c).
 struct image_emission {
-    rgb sum;       // weighted
-    float weight;  // 0: there are none so far
+    rgb sum;       // weighted, of all
+    float weight;  // of samples and first rays; 0: there are none so far
     uint32_t samples, rays;
+    // For rays at a rim: their number, weight, and sums of luminance and its square; and the
+    // probability that they are taken, by which they count.
+    uint32_t rim_rays;
+    float rim_weight, rim_Y, rim_squares, probability;
 };
+
+// Black if there is none so far.
+static inline rgb render_emission_mean(const struct image_emission *e) {
+    const float weight = e->weight + e->probability * e->rim_weight;
+    return weight > 0.0f ? rgb_scale(e->sum, 1.0f / weight) : rgb_grey(0.0f);
+}
 
 // The weighted sums of a pixel's samples.
 struct image_pixel {
