@@ -38,11 +38,27 @@ static const struct image_reader *open_module(struct log log, struct log_place p
 // The largest texel, such that sums over all texels are finite.
 #define TEXEL_LIMIT 1e25f
 
+// Values of 8 bits that have been decoded: an image has millions of texels, but few values.
+struct decoded {
+    float from[256], to[256];
+};
+
+static float decode_value(struct decoded *known, float x) {
+    if (!(x >= 0.0f && x <= 1.0f)) return load_srgb_to_linear(x);
+    const int i = (int)(x * 255.0f + 0.5f);
+    if (known->from[i] != x) {
+        known->from[i] = x;
+        known->to[i] = load_srgb_to_linear(x);
+    }
+    return known->to[i];
+}
+
 static void finish_texels(const struct load_source *source, float *texel, size_t count,
                           bool decode) {
+    struct decoded known = {{0.0f}, {0.0f}};
     size_t bad = 0;
     for (size_t i = 0; i < count; i++) {
-        if (decode) texel[i] = load_srgb_to_linear(texel[i]);
+        if (decode) texel[i] = decode_value(&known, texel[i]);
         if (texel[i] >= 0.0f && texel[i] < TEXEL_LIMIT) continue;
         texel[i] = 0.0f;
         bad++;
@@ -57,8 +73,9 @@ static void finish_texels(const struct load_source *source, float *texel, size_t
 static satin_status finish_heights(const struct load_source *source, const struct image *image,
                                    float *texel, bool decode) {
     const size_t row = (size_t)image->width * (size_t)image->channels;
+    struct decoded known = {{0.0f}, {0.0f}};
     for (size_t i = 0; i < row * (size_t)image->height; i++) {
-        if (decode) texel[i] = load_srgb_to_linear(texel[i]);
+        if (decode) texel[i] = decode_value(&known, texel[i]);
         if (isfinite(texel[i])) continue;
         log_error_at(source->log, source->place,
                      "image '%s': the height in column %zu of row %zu is not finite", source->path,

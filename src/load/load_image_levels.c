@@ -5,6 +5,9 @@
 // The rows of an environment are at equal angles from pole to pole, and light is interpolated
 // between them. A row of its copy is a mean by the solid angles of the rows from which it would be
 // interpolated, so that the light of all directions stays.
+#include <stdlib.h>
+
+#include "base/array.h"
 #include "load/load_build.h"
 
 static int half_size(int n) { return n > 1 ? n / 2 : 1; }
@@ -42,24 +45,27 @@ static struct texel_span environment_span(int row, int n, int m) {
     return s;
 }
 
+// A texel of the copy.
+static void mean_of(const struct image *from, const struct texel_span *rows,
+                    const struct texel_span *columns, float *texel) {
+    const size_t channels = (size_t)from->channels;
+    for (size_t c = 0; c < channels; c++) texel[c] = 0.0f;
+    for (int j = 0; j < rows->count; j++) {
+        const size_t first = (size_t)(rows->first + j) * (size_t)from->width;
+        const float *at = from->texel + (first + (size_t)columns->first) * channels;
+        for (int i = 0; i < columns->count; i++)
+            for (size_t c = 0; c < channels; c++)
+                texel[c] += rows->fraction[j] * columns->fraction[i] * *at++;
+    }
+}
+
 static void shrink_image(const struct image *from, const struct image *to, bool environment,
-                         float *texel) {
-    const int channels = from->channels;
+                         const struct texel_span *column, float *texel) {
     for (int y = 0; y < to->height; y++) {
-        struct texel_span rows = environment ? environment_span(y, from->height, to->height)
-                                             : span_of(y, from->height, to->height);
-        for (int x = 0; x < to->width; x++, texel += channels) {
-            struct texel_span columns = span_of(x, from->width, to->width);
-            for (int c = 0; c < channels; c++) texel[c] = 0.0f;
-            for (int j = 0; j < rows.count; j++)
-                for (int i = 0; i < columns.count; i++) {
-                    size_t at = (size_t)(rows.first + j) * (size_t)from->width +
-                                (size_t)(columns.first + i);
-                    for (int c = 0; c < channels; c++)
-                        texel[c] += rows.fraction[j] * columns.fraction[i] *
-                                    from->texel[at * (size_t)channels + (size_t)c];
-                }
-        }
+        const struct texel_span rows = environment ? environment_span(y, from->height, to->height)
+                                                   : span_of(y, from->height, to->height);
+        for (int x = 0; x < to->width; x++, texel += from->channels)
+            mean_of(from, &rows, &column[x], texel);
     }
 }
 
@@ -68,9 +74,15 @@ bool load_image_coarser(struct arena *arena, const struct image *from, bool envi
     const int width = half_size(from->width), height = half_size(from->height);
     const size_t texels = (size_t)width * (size_t)height;
     float *texel = arena_array_alone(arena, texels * (size_t)from->channels, sizeof *texel);
-    if (!texel) return false;
+    struct texel_span *column = array_new_unset((size_t)width, sizeof *column);
+    if (!texel || !column) {
+        free(column);
+        return false;
+    }
+    for (int x = 0; x < width; x++) column[x] = span_of(x, from->width, width);
     const struct image to = scene_image_make(width, height, from->channels, texel);
-    shrink_image(from, &to, environment, texel);
+    shrink_image(from, &to, environment, column, texel);
+    free(column);
     *out = to;
     return true;
 }

@@ -162,11 +162,13 @@ static void bitmap_range(const struct texture *texture, float *lo, float *hi) {
     *lo = INFINITY, *hi = -INFINITY;
     add_to_range(texture->wrap, lo, hi);
     add_to_range(texture->wrap_v, lo, hi);
-    for (int y = 0; y < image->height; y++)
-        for (int x = 0; x < image->width; x++) {
-            float value = rgb_luminance(image_texel(image, x, y));
-            *lo = minf(*lo, value), *hi = maxf(*hi, value);
-        }
+    const size_t count = (size_t)image->width * (size_t)image->height;
+    const bool grey = image->channels == 1;
+    const float *t = image->texel;
+    for (size_t i = 0; i < count; i++, t += image->channels) {
+        const float value = rgb_luminance(grey ? rgb_grey(*t) : rgb_make(t[0], t[1], t[2]));
+        *lo = minf(*lo, value), *hi = maxf(*hi, value);
+    }
 }
 
 bool scene_texture_range(const struct texture *texture, float *lo, float *hi) {
