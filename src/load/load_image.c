@@ -39,11 +39,11 @@ static const struct image_reader *open_module(struct log log, struct log_place p
 #define TEXEL_LIMIT 1e25f
 
 // Values of 8 bits that have been decoded: an image has millions of texels, but few values.
-struct decoded {
+struct decoded_bytes {
     float from[256], to[256];
 };
 
-static float decode_value(struct decoded *known, float x) {
+static float decode_value(struct decoded_bytes *known, float x) {
     if (!(x >= 0.0f && x <= 1.0f)) return load_srgb_to_linear(x);
     const int i = (int)(x * 255.0f + 0.5f);
     if (known->from[i] != x) {
@@ -55,7 +55,7 @@ static float decode_value(struct decoded *known, float x) {
 
 static void finish_texels(const struct load_source *source, float *texel, size_t count,
                           bool decode) {
-    struct decoded known = {{0.0f}, {0.0f}};
+    struct decoded_bytes known = {{0.0f}, {0.0f}};
     size_t bad = 0;
     for (size_t i = 0; i < count; i++) {
         if (decode) texel[i] = decode_value(&known, texel[i]);
@@ -73,7 +73,7 @@ static void finish_texels(const struct load_source *source, float *texel, size_t
 static satin_status finish_heights(const struct load_source *source, const struct image *image,
                                    float *texel, bool decode) {
     const size_t row = (size_t)image->width * (size_t)image->channels;
-    struct decoded known = {{0.0f}, {0.0f}};
+    struct decoded_bytes known = {{0.0f}, {0.0f}};
     for (size_t i = 0; i < row * (size_t)image->height; i++) {
         if (decode) texel[i] = decode_value(&known, texel[i]);
         if (isfinite(texel[i])) continue;

@@ -45,9 +45,9 @@ static struct texel_span environment_span(int row, int n, int m) {
     return s;
 }
 
-// A texel of the copy.
-static void mean_of(const struct image *from, const struct texel_span *rows,
-                    const struct texel_span *columns, float *texel) {
+// Computes a texel of the copy.
+static void shrink_texel(const struct image *from, const struct texel_span *rows,
+                         const struct texel_span *columns, float *texel) {
     const size_t channels = (size_t)from->channels;
     for (size_t c = 0; c < channels; c++) texel[c] = 0.0f;
     for (int j = 0; j < rows->count; j++) {
@@ -65,7 +65,7 @@ static void shrink_image(const struct image *from, const struct image *to, bool 
         const struct texel_span rows = environment ? environment_span(y, from->height, to->height)
                                                    : span_of(y, from->height, to->height);
         for (int x = 0; x < to->width; x++, texel += from->channels)
-            mean_of(from, &rows, &column[x], texel);
+            shrink_texel(from, &rows, &column[x], texel);
     }
 }
 
