@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission that was found by chance. The first rays may miss a small lamp or its reflection. Pixels
 // with emission that are connected are one highlight, which is found as a whole as soon as one of
-// them is: from there, pixels around those where rays find light get rays, too. If H hits of
-// samples and first rays are expected in it, it is found with the probability P = 1 - e^-H. With
-// the sums X of those samples and first rays and Y of the rays at rims, of the weights w and v,
-// (X + Y) / (w + P v) is right in the mean, since X and Y are 0 in the images that miss it. H is
-// measured by the rays that are summed in Y; where they happen to find much, P is as much larger.
-// Where enough small lamps are near each other, as where one is seen through a pierced shade, all
-// pixels around get many rays, and P is 1.
+// them is: from there, pixels around those where rays find light get rays, too. If a ray finds it
+// with the probability p in a pixel that has n samples and first rays, that of the highlight is
+// P = 1 - e^-H, H being the sum of -n ln(1 - p) over its pixels. With the sums X of those samples
+// and first rays and Y of the rays at rims, of the weights w and v, (X + Y) / (w + P v) is right in
+// the mean, since X and Y are 0 in the images that miss it. p is measured by the rays that are
+// summed in Y; where they happen to find much, P is as much larger. Where enough small lamps are
+// near each other, as where one is seen through a pierced shade, all pixels around get many rays,
+// and P is 1.
 #include "render/render_rims.h"
 
 // Pixels around which fewer hits are expected were found by chance. The probability that others are

@@ -185,14 +185,15 @@ void render_rims_append(struct rims *rims, size_t pixel, int radius, enum rim_kn
         }
 }
 
-// How many samples and first rays of a pixel are expected to find light. A ray does with a
-// probability of about mean^2 / mean of squares, which is the fraction of the pixel that a lamp
-// covers where all else is black, and 1 where all is equal.
+// The hits that a pixel's samples and first rays are expected to have, as -ln of the probability
+// that none finds light. A ray does with a probability of about mean^2 / mean of squares, which is
+// the fraction of the pixel that a lamp covers where all else is black, and 1 where all is equal.
 static float expected_hits(const struct image_emission *e, const struct rim *rim, uint32_t most) {
     const float Y = e->rim_Y + rim->Y, squares = e->rim_squares + rim->squares;
     const uint32_t rays = e->rim_rays > most ? e->rim_rays : most;
-    return squares > 0.0f ? sqrf(Y) / ((float)rays * squares) * (float)(e->samples + e->rays)
-                          : 0.0f;
+    if (!(squares > 0.0f)) return 0.0f;
+    const float p = sqrf(Y) / ((float)rays * squares);
+    return p < 1.0f ? -log1pf(-p) * (float)(e->samples + e->rays) : INFINITY;
 }
 
 // Evaluates the new rays of a pixel. If they find light where none was known, the pixels around get

@@ -28,7 +28,7 @@ struct rims {
     struct rim *rim;  // of those pixels
     size_t begin;     // index of the first pixel of a loop
     uint8_t *known;   // of each pixel of the image: enum rim_known
-    // How many samples and first rays of a pixel at a rim are expected to find light, and the
+    // The hits that samples and first rays of a pixel at a rim are expected to have, and the
     // probability that its highlight is found.
     float *hits, *probability;
     uint32_t *highlight;  // pixels of the one that is visited
