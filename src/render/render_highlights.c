@@ -27,7 +27,7 @@ static bool found_by_chance(const struct rims *rims, struct image_box box) {
 }
 
 // Visits the pixels with light that are connected with this one, and those around them, and sets
-// their probability. Returns how many have been found by chance.
+// their probability. Notes which were found by chance, and returns how many.
 static size_t visit_highlight(struct rims *rims, uint32_t pixel) {
     const size_t width = (size_t)rims->r->image->width;
     size_t count = 1, by_chance = 0;
@@ -38,7 +38,9 @@ static size_t visit_highlight(struct rims *rims, uint32_t pixel) {
     for (size_t i = 0; i < count; i++) {
         const uint32_t from = rims->highlight[i];
         const struct image_box box = render_rims_around(rims, from);
-        by_chance += found_by_chance(rims, box);
+        const bool chance = found_by_chance(rims, box);
+        if (chance) rims->known[from] |= RIM_BY_CHANCE;
+        by_chance += chance;
         if (rims->emission[from] == 0.0f) continue;
         hits += rims->hits[from];
         near = near || rims->known[from] & RIM_NEAR;
@@ -69,13 +71,6 @@ size_t render_highlights_find(struct rims *rims) {
     return by_chance - most;
 }
 
-// Notes which rims were found by chance.
-static void find_chance(struct rims *rims) {
-    for (size_t i = 0; i < rims->count; i++)
-        if (found_by_chance(rims, render_rims_around(rims, rims->pixel[i])))
-            rims->known[rims->pixel[i]] |= RIM_BY_CHANCE;
-}
-
 static bool enough_near(const struct rims *rims, size_t pixel) {
     const struct image_box box = render_rims_within(rims, pixel, NEAR_PIXELS);
     float hits = 0.0f;
@@ -89,7 +84,6 @@ static bool enough_near(const struct rims *rims, size_t pixel) {
 
 void render_highlights_append_near(struct rims *rims) {
     const size_t found = rims->count;
-    find_chance(rims);
     for (size_t i = 0; i < found; i++) {
         const uint32_t pixel = rims->pixel[i];
         if (rims->known[pixel] & RIM_BY_CHANCE && enough_near(rims, pixel))

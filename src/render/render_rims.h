@@ -49,7 +49,8 @@ void render_rims_append(struct rims *rims, size_t pixel, int radius, enum rim_kn
 // for those of the largest highlight that was: if it alone made more first rays be taken, the
 // probability would depend on what was found.
 size_t render_highlights_find(struct rims *rims);
-// Appends the pixels around rims that were found by chance where enough of these are near.
+// Appends the pixels around rims that were found by chance, as the former notes, where enough are
+// near.
 void render_highlights_append_near(struct rims *rims);
 
 #endif

@@ -63,43 +63,22 @@ static double tiny_lamp(const char *file) {
     return worst;
 }
 
-// The light of lamps much narrower than a pixel over what it is exactly; negative on failure.
-static double narrow_lamps(const char *file) {
+// The sum of the pixels of images of few samples, and the largest pixel; false on failure.
+static bool add_images(const char *file, int seeds, double *sum, double *largest) {
     static float image[STRIPS * STRIPS];
-    static const double exact = 10.0 * 20.0 * 0.002 / 2.0;
     satin_scene *scene = NULL;
-    double sum = 0.0;
-    if (satin_scene_load(file, NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return -1.0;
-    for (int s = 0; s < TINY_SEEDS; s++) {
-        char seed[8];
-        snprintf(seed, sizeof seed, "%d", s);
-        if (!rims_render(scene, STRIPS, "9", seed, image)) return -1.0;
-        for (int i = 0; i < STRIPS * STRIPS; i++) sum += (double)image[i];
-    }
-    satin_scene_free(scene);
-    return sum / (exact * TINY_SEEDS * STRIPS * STRIPS);
-}
-
-// The mean over images of a glint that a third of them miss, and the largest value of a pixel of
-// any of them, both over what is exact; false on failure.
-static bool glint(const char *file, double *mean, double *largest) {
-    static float image[STRIPS * STRIPS];
-    static const double exact = 6.0 * 100.0 * 0.02, exact_pixel = 100.0 * 0.02;
-    satin_scene *scene = NULL;
-    double sum = 0.0, most = 0.0;
+    *sum = *largest = 0.0;
     if (satin_scene_load(file, NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return false;
-    for (int s = 0; s < GLINT_SEEDS; s++) {
+    for (int s = 0; s < seeds; s++) {
         char seed[8];
         snprintf(seed, sizeof seed, "%d", s);
         if (!rims_render(scene, STRIPS, "9", seed, image)) return false;
         for (int i = 0; i < STRIPS * STRIPS; i++) {
-            sum += (double)image[i];
-            most = fmax(most, (double)image[i]);
+            *sum += (double)image[i];
+            *largest = fmax(*largest, (double)image[i]);
         }
     }
     satin_scene_free(scene);
-    *mean = sum / (exact * GLINT_SEEDS);
-    *largest = most / exact_pixel;
     return true;
 }
 
@@ -153,13 +132,18 @@ int main(int argc, char **argv) {
     // .05 in the worst of 16 seeds; .15 with 128 rays.
     const double worst = tiny_lamp(argv[2]);
     const bool found = worst >= 0.0 && worst < 0.1;
-    const double narrow = narrow_lamps(argv[3]);
+    double sum, largest;
+    if (!add_images(argv[3], TINY_SEEDS, &sum, &largest)) return 1;
+    // Twenty lamps of the radiance 10 and the width .002, in images that are 2 wide.
+    const double narrow = sum / (10.0 * 20.0 * 0.002 / 2.0 * TINY_SEEDS * STRIPS * STRIPS);
     const bool seen = fabs(narrow - 1.0) < 0.03;
     printf("narrow lamps: %.3f of their light\n", narrow);
-    double bright = 0.0, dot = 0.0;
-    // The standard deviation of the mean is .07. Where only the sample counts that has met the
-    // glint, pixels have 5 to 10 times their light.
-    const bool even = glint(argv[4], &bright, &dot) && fabs(bright - 1.0) < 0.3 && dot < 2.5;
+    // The standard deviation of the mean is .07, as a third of the images miss the glint. Where
+    // only the sample counts that has met it, pixels have 5 to 10 times their light.
+    if (!add_images(argv[4], GLINT_SEEDS, &sum, &largest)) return 1;
+    const double pixel = 100.0 * 0.02, bright = sum / (6.0 * pixel * GLINT_SEEDS);
+    const double dot = largest / pixel;
+    const bool even = fabs(bright - 1.0) < 0.3 && dot < 2.5;
     printf("a glint: %.3f of its light, at most %.2f of that of a pixel\n", bright, dot);
     printf("a tiny lamp: at most %.3f off\n%d passed, %d failed\n", worst,
            passed + found + lit + seen + even, !passed + !found + !lit + !seen + !even);
