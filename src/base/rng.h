@@ -7,13 +7,14 @@
 #include <stdint.h>
 
 // Each use of random numbers has its own stream, so that no two of them use the same numbers.
-// Images depend on the values; 6 and 9 are free.
+// Images depend on the values; 9 is free.
 enum rng_stream {
     RNG_PHOTON = 1,
     RNG_GATHER,
     RNG_GATHER_HIT,
     RNG_PIXEL,
     RNG_HAIR,
+    RNG_FEATURE,
     RNG_PATH = 7,
     RNG_SITE,
     RNG_TEST = 10,

@@ -151,8 +151,9 @@ satin_status film_denoiser_open(int threads, struct log log, struct film_denoise
 void film_denoiser_free(struct film_denoiser *denoiser);  // NULL is allowed
 // The name and version of the library, valid as long as the denoiser.
 const char *film_denoiser_name(const struct film_denoiser *denoiser);
-// The time per pixel of the small image, without reading the library [s/pixel].
-double film_denoiser_pixel_seconds(const struct film_denoiser *denoiser);
+// The time per pixel of the small image, without reading the library, if albedo and normal are
+// `clean` or not [s/pixel].
+double film_denoiser_pixel_seconds(const struct film_denoiser *denoiser, bool clean);
 
 // Images of width * height pixels, row by row from the top, all finite.
 struct film_noisy {

@@ -171,6 +171,9 @@ rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
 struct gather_eye_hit {
     bool hit;
     struct shading_point point;  // of the first surface, if one was hit
+    // The first one with smooth lobes, behind ideal specular surfaces; throughput 0: there is none.
+    struct shading_point smooth;
+    rgb T;         // throughput to the eye
     rgb emission;  // the part of the radiance that is emitted light, seen directly or through ideal
                    // specular surfaces alone
 };

@@ -127,6 +127,10 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
             eye->hit = true;
             eye->point = from;
         }
+        if (eye && walk.specular && (from.lobes & BRDF_SMOOTH) && rgb_black(eye->T)) {
+            eye->smooth = from;
+            eye->T = walk.T;
+        }
         if (last || !from.lobes) break;
         walk.length += s.t;
         if (!rgb_black(walk.rest))
@@ -158,6 +162,7 @@ rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *samp
                              .emission = o->hide_emitters <= 0 && o->max_depth != 0,
                              .specular = true};
     eye->hit = false;
+    eye->T = rgb_grey(0.0f);
     eye->emission = rgb_grey(0.0f);
     return follow_path(g, walk, sampler, NULL, eye);
 }

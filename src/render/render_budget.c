@@ -149,7 +149,8 @@ double render_time_left(const struct render *r) { return time_limit(r) - render_
 static double denoise_seconds(const struct render *r) {
     if (!r->denoiser) return 0.0;
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const double seconds = film_denoiser_pixel_seconds(r->denoiser) * pixels;
+    const bool clean = r->image && r->image->noisy.clean;
+    const double seconds = film_denoiser_pixel_seconds(r->denoiser, clean) * pixels;
     return fmin(seconds, DENOISE_FRACTION * time_limit(r));
 }
 

@@ -7,13 +7,6 @@
 #include "base/array.h"
 #include "render/render_image.h"
 
-// The mean number of samples per pixel from which albedo and normal count as free of noise.
-// Measured on the living room of docs/experiments/denoising.md by path, relMSE with and without
-// this assumption: .126 and .098 at 1 sample, .0423 and .0449 at 4, .0263 and .0311 at 8, .0073 and
-// .0083 at 76. Denoising both first gives .0415 at 4, .0265 at 8 and .0073 at 76, in three times
-// the time.
-static const double CLEAN_SAMPLES = 4.0;
-
 enum { DENOISE_CHUNK = 16 };  // rows per chunk
 
 // Context of the filter's progress function.
@@ -52,10 +45,11 @@ static void set_plane_rows(void *ctx, size_t begin, size_t end, int worker) {
             const size_t at = y * (size_t)image->width + (size_t)x;
             const struct image_pixel *pixel = render_image_source(image, x, (int)y);
             if (!pixel) continue;
-            const float scale = render_image_scale(pixel);
-            light[at] = rgb_scale(image->uncached[pixel - image->pixel], scale);
-            noisy->albedo[at] = rgb_scale(pixel->layer[SHADE_ALBEDO], scale);
-            noisy->normal[at] = rgb_scale(pixel->layer[SHADE_NORMAL], scale);
+            const struct image_uncached *sum = &image->uncached[pixel - image->pixel];
+            const struct shade_features features = render_features_mean(sum);
+            light[at] = rgb_scale(sum->light, render_image_scale(pixel));
+            noisy->albedo[at] = features.albedo;
+            noisy->normal[at] = features.normal;
         }
 }
 
@@ -76,7 +70,6 @@ void render_denoise(struct render *r) {
         return;
     }
     const double pixels = (double)image->width * (double)image->height;
-    image->noisy.clean = (double)image->taken >= CLEAN_SAMPLES * pixels;
     render_stage_begin(r, STAGE_DENOISE, pixels);
     r->outcome.denoised = film_denoise(r->denoiser, &image->noisy, goes_on, &asked, r->log);
     image->denoised = r->outcome.denoised == SATIN_OK;

@@ -55,7 +55,7 @@ static void put_pixel(const struct channel_planes *planes, size_t at,
     put_rgb(planes, 0, at, shown, 1.0f);
     put_rgb(planes, CHANNEL_NOISY, at, beauty, 1.0f);
     if (image->uncached)
-        put_rgb(planes, CHANNEL_UNCACHED, at, image->uncached[pixel - image->pixel], scale);
+        put_rgb(planes, CHANNEL_UNCACHED, at, image->uncached[pixel - image->pixel].light, scale);
     for (int k = 0; k < SHADE_LAYERS; k++)
         put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
     put_rgb(planes, CHANNEL_LAYERS + 3 * SHADE_EMISSION, at, emission, 1.0f);

@@ -24,7 +24,7 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
     if (render_irradiance_rays(options) > 0.0f) bytes += sizeof(struct image_gathered);
     if (render_noise_filter_on(options))
         bytes += sizeof(struct image_noisy) + sizeof(struct image_change);
-    if (options->denoise) bytes += 5 * sizeof(rgb);
+    if (options->denoise) bytes += sizeof(struct image_uncached) + 4 * sizeof(rgb);
     if (!gather_traces_paths(options)) bytes += RENDER_RIMS_BYTES;
     if (callbacks->snapshot) bytes += 1.0 + sizeof(float) * render_film_channels(scene, options);
     return bytes * pixels;
@@ -209,7 +209,8 @@ static satin_status take_passes(struct image_pass *pass, bool restored) {
     struct render *r = pass->r;
     struct render_image *image = r->image;
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
-    satin_status status = restored && !image->begun ? take_rims(r) : SATIN_OK;
+    satin_status status = render_features(r);
+    if (status == SATIN_OK && restored && !image->begun) status = take_rims(r);
     bool begun = restored && image->begun;
     if (restored) render_stage_skip(r, (double)image->taken / all);
     while (status == SATIN_OK && (begun || next_pass(r, &image->begun))) {
@@ -222,7 +223,8 @@ static satin_status take_passes(struct image_pass *pass, bool restored) {
         if (status != SATIN_OK) break;
         end_pass(r);
         image->sample_seconds = render_agreed(r, stats_wall() - start) / (double)samples;
-        status = take_rims(r);
+        status = render_features(r);
+        if (status == SATIN_OK) status = take_rims(r);
         if (status == SATIN_OK) render_checkpoint_between(r);
     }
     return status;

@@ -74,6 +74,32 @@ struct image_change {
     rgb layer[NOISY_LAYERS];
 };
 
+// Weighted sums for the denoiser over the samples of a pixel, and of features over more rays, up to
+// as many as wanted (render_features.c).
+struct image_uncached {
+    rgb light;  // of shade_sample.uncached
+    struct shade_features features;
+    float weight;    // of features
+    uint32_t count;  // number of samples and rays
+    uint16_t rays, wanted;
+};
+
+static inline void render_features_add(struct image_uncached *sum,
+                                       const struct shade_features *features, float weight) {
+    if (!rgb_finite(features->albedo) || !rgb_finite(features->normal)) return;
+    sum->features.albedo = rgb_mad(sum->features.albedo, features->albedo, weight);
+    sum->features.normal = rgb_mad(sum->features.normal, features->normal, weight);
+    sum->weight += weight;
+    sum->count++;
+}
+
+// Black if there is none.
+static inline struct shade_features render_features_mean(const struct image_uncached *sum) {
+    const float scale = sum->weight > 0.0f ? 1.0f / sum->weight : 0.0f;
+    return (struct shade_features){rgb_scale(sum->features.albedo, scale),
+                                   rgb_scale(sum->features.normal, scale)};
+}
+
 // Sums over blocks of a pixel's consecutive samples. The samples of a pixel are stratified, so the
 // variance of their mean is far less than it would be by the differences of single samples; the
 // means of whole blocks are stratified each, and differ by little more than the mean of all.
@@ -148,9 +174,10 @@ struct render_image {
     struct image_noisy *noisy_light;  // pixel by pixel
     struct image_change *change;
     // Only if the image is to be denoised, else NULL:
-    rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
-    rgb *planes;              // four images: means of `uncached`, albedo, normal, and the result
+    struct image_uncached *uncached;  // pixel by pixel
+    rgb *planes;              // four images: means of the light, albedo, normal, and the result
     struct film_noisy noisy;  // what the denoiser reads of these
+    bool has_features;        // whether pixels know how many rays for features they want
     bool denoised;            // whether there is a result
 };
 
@@ -217,6 +244,9 @@ bool render_noise_filter(struct render *r);
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).
 bool render_denoise_memory(struct render_image *image);
+// If the image is to be denoised and all pixels have a sample, takes the rays for features that are
+// missing (render_features.c). To be called before each pass.
+satin_status render_features(struct render *r);
 
 // ---- Passes (render_image_pass.c)
 

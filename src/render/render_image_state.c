@@ -59,6 +59,8 @@ void render_image_pack(const struct render_image *image, struct bytes *out) {
     bytes_put_u64(out, image->block);
     bytes_put_u64(out, image->rims_taken);
     bytes_put_u64(out, image->rare_emission);
+    bytes_put_u64(out, image->has_features);
+    bytes_put_u64(out, image->noisy.clean);
     bytes_put(out, &image->counts, sizeof image->counts);
     render_image_pack_box(image, whole_box(image), out);
 }
@@ -70,6 +72,8 @@ bool render_image_unpack(struct render_image *image, const struct bytes *bytes) 
     image->block = (uint32_t)bytes_get_u64(&in);
     image->rims_taken = bytes_get_u64(&in);
     image->rare_emission = bytes_get_u64(&in) != 0;
+    image->has_features = bytes_get_u64(&in) != 0;
+    image->noisy.clean = bytes_get_u64(&in) != 0;
     bytes_get(&in, &image->counts, sizeof image->counts);
     render_image_unpack_box(image, whole_box(image), &in);
     image->state = IMAGE_PAUSED;

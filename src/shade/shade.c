@@ -34,9 +34,8 @@ void shade_destroy(struct shade *shade) {
 // Sets the channels that are not light, from the first surface.
 static void surface_channels(const struct shade *shade, const struct shading_point *p,
                              const struct shade_camera_sample *camera, struct shade_sample *out) {
-    vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
     if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
-    out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
+    out->layer[SHADE_NORMAL] = shade_facing_normal(p);
     out->depth = p->interaction.t;
     out->shape = p->interaction.shape + 1;
     out->instance = p->interaction.instance;
@@ -85,6 +84,8 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     out->layer[SHADE_EMISSION] = seen.emission;
     out->uncached = rgb_sub(out->beauty, seen.emission);
     if (seen.hit) surface_channels(shade, &seen.point, &camera, out);
+    if (shade->g->options->denoise && !rgb_black(seen.T))
+        shade_features_add(&seen.smooth, seen.T, &out->features);
     out->alpha = coverage(shade, seen.hit);
     set_light_channels(shade, out);
     out->weight = camera.weight;
@@ -103,6 +104,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PIXEL);
     shade_eye_trace(shade, x, y, &sampler, &eye);
     if (eye.hit) surface_channels(shade, &eye.first, &eye.camera, out);
+    if (o->denoise) out->features = shade_features_of(&eye);
     out->alpha = coverage(shade, eye.hit);
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {

@@ -29,6 +29,13 @@ struct shade_gathered {
     float rays;   // number of gather rays; 0: the sample did not gather
 };
 
+// What a denoiser reads of the first surface that is seen: through ideal specular surfaces, and
+// times their throughput, so that it knows of edges in mirrors and behind glass.
+struct shade_features {
+    rgb albedo;
+    rgb normal;  // x y z
+};
+
 struct shade_sample {
     rgb beauty;               // the sum of the light layers; of `path`, all light
     rgb uncached;             // the reflected light in it that is from no record, which is noisy
@@ -36,22 +43,24 @@ struct shade_sample {
     bool sampled_glossy;      // whether some of that layer is from no record
     rgb layer[SHADE_LAYERS];  // of the first surface that is not ideal specular; the normal is x y
                               // z
-    float depth;              // distance to the first surface; 0 if there is none
-    float alpha;              // 1 if the eye ray meets a surface or a visible environment, else 0
-    struct cache_used used;   // records that were interpolated at the point
-    float record;             // 1: a record is within a pixel; only with record_maps
-    float light_variance;     // variance of the luminance of direct light by one light sample
-    float lobe_variance;      // the same by one BRDF sample of a glossy lobe
-    uint32_t shape;           // index of the first surface's shape, counted from 1; 0: none
-    uint32_t instance;        // of the instance that shows it, likewise
-    float weight;             // weight of the sample in the film's filter
+    struct shade_features features;
+    float depth;             // distance to the first surface; 0 if there is none
+    float alpha;             // 1 if the eye ray meets a surface or a visible environment, else 0
+    struct cache_used used;  // records that were interpolated at the point
+    float record;            // 1: a record is within a pixel; only with record_maps
+    float light_variance;    // variance of the luminance of direct light by one light sample
+    float lobe_variance;     // the same by one BRDF sample of a glossy lobe
+    uint32_t shape;          // index of the first surface's shape, counted from 1; 0: none
+    uint32_t instance;       // of the instance that shows it, likewise
+    float weight;            // weight of the sample in the film's filter
     struct shade_gathered gathered;  // at the first point that gathers
     float aov[AOV_VALUES];           // values that the scene's AOVs need, 0 if there is no surface
 };
 
 // Whether all light of a sample is finite; otherwise the sample is dropped.
 static inline bool shade_sample_finite(const struct shade_sample *s) {
-    bool finite = rgb_finite(s->beauty) && rgb_finite(s->uncached);
+    bool finite = rgb_finite(s->beauty) && rgb_finite(s->uncached) &&
+                  rgb_finite(s->features.albedo) && rgb_finite(s->features.normal);
     for (int i = 0; i < SHADE_LAYERS; i++) finite = finite && rgb_finite(s->layer[i]);
     return finite;
 }
@@ -145,6 +154,11 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 // The emitted light alone that is seen by eye ray number `index` of pixel (x, y), from a separate
 // sequence of rays. *weight as of a sample.
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight);
+
+// The features seen by eye ray number `index` of pixel (x, y), from a separate sequence of rays
+// (shade_features.c). Returns the weight as of a sample.
+float shade_find_features(const struct shade *shade, int x, int y, uint32_t index,
+                          struct shade_features *out);
 
 // Finds the surface points at which an eye ray of pixel (x, y) may need records; if `adaptive`,
 // with the members for fill_adapt. Returns their number, at most `max` (shade_sites.c).

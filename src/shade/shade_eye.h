@@ -52,6 +52,18 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
                                  enum rng_stream stream);
 
+// The normal of the surface there, on the side of the eye, as x y z.
+static inline rgb shade_facing_normal(const struct shading_point *p) {
+    const vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
+    return rgb_make(n.x, n.y, n.z);
+}
+
+// The features that an eye ray sees (shade_features.c). Where it first meets ideal specular
+// surfaces alone, these are the sum over all surface points that are seen by them.
+struct shade_features shade_features_of(const struct shade_eye *eye);
+// Adds those of a surface point that is seen with the throughput T.
+void shade_features_add(const struct shading_point *p, rgb T, struct shade_features *sum);
+
 // The site of a record at a point, where a pixel has the width `pixel` (shade_sites.c). `stream` is
 // any number that no other site has, `kinds` a mask of those that the surface reads.
 struct fill_site shade_site(const struct shading_point *p, float pixel, uint64_t stream,
