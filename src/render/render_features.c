@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays for albedo and normal alone, in pixels of an image to be denoised where these vary. From
 // features without noise the denoiser knows where edges are, whose pixels may have very few samples
-// of light. Such a ray costs a twentieth of a sample (docs/experiments/denoising.md).
+// of light. Such a ray costs a tenth of a sample or less (docs/experiments/denoising.md).
 #include <math.h>
 
 #include "render/render_image.h"
