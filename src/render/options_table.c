@@ -41,11 +41,10 @@ const struct option options_table[] = {
     {"denoise", OPTION_BOOL, AT(denoise), false, "off|on",
      "Denoises the light that no record carries, with albedo and normals as auxiliary images: "
      "direct light, caustics, gloss that is not cached, and gathering without records; with "
-     "integrators path and sppm, all reflected light. Interpolated light and emitters that are "
-     "seen "
-     "are not changed, and the noisy image is kept in channels of its own. It needs Open Image "
-     "Denoise 2: `./bootstrap denoiser` installs it, or the environment variable SATIN_OIDN names "
-     "its file. It gets at most half of a time limit."},
+     "integrators path and sppm, all reflected light. Interpolated light is changed only if pixels "
+     "have less than 16 samples, and emitters that are seen never are. The noisy image is kept in "
+     "channels of its own. It needs Open Image Denoise 2: `./bootstrap denoiser` installs it, or "
+     "the environment variable SATIN_OIDN names its file. It gets at most half of a time limit."},
     {"width", OPTION_INT, AT(width), false, "0..65536",
      "Width of the whole film in pixels; 0 is the scene's, or follows from the height by the "
      "scene's "

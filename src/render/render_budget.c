@@ -34,8 +34,6 @@ static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
 // living-room at 30 CPU seconds and 141 instead of 130 in veach-ajar at 20; with 1 for COVER_MOST
 // it is 3.8 instead of 2.6 in cornell-glossy at 4.
 static const double COVER_FRACTION = 0.3, COVER_LEAST = 0.1, COVER_MOST = 1.5;
-// For a denoised image, whose records are not planned by its noise.
-static const double COVER_UNMEASURED = 0.5;
 // The least time for a whole second round, in units of that which the records of the first one take
 // by all their rays. In living-room (640x360, 60 CPU seconds) it is .1 of that, and in a bathroom
 // .12. In hall (200x200) it is .65 and .59 at 4 and 8 CPU seconds, with 1.3 and 1.5 times the error
@@ -106,11 +104,11 @@ static const double RIM_RAYS_MEAN_LATE = 2.0;
 // The largest fraction of a time limit for rays at rims. RIM_RAYS_MEAN alone takes 11 and 17 % of
 // 10 s in two furnished rooms at 640x360, where this leaves .76 and .8 of the error.
 static const double RIMS_FRACTION = 0.05;
-// The number of samples per pixel below which a denoised image without records is worse than one of
-// paths, of which two to four times as many fit. With 1.5 instead of 0, relMSE x 10^4 is 354
-// instead of 568 in living-room at 5 CPU seconds, and 46 instead of 16 to 958 in indirect-room at
-// 1; with 1 and 2 the same but for its deviation.
-static const double PATHS_BELOW = 1.5;
+// The number of samples per pixel below which a denoised image is worse than one of paths, of which
+// two to four times as many fit, by a pilot before there are records. With 1.5 the relMSE of
+// living-room at 3 s (320x180) is .021 and .032 by two seeds, of which the first has paths, with 2
+// it is .021 and .021; closed rooms at 1 CPU second have more, and .65 to .8 of the error of paths.
+static const double PATHS_BELOW = 2.0;
 // The number of samples per pixel below which another pass of the image costs more than it gains.
 static const double PASS_LEAST = 0.1;
 
@@ -262,7 +260,7 @@ static void limit_records(struct render *r, double most, double covered) {
 void render_limit_records(struct render *r, const struct render_pace *measured) {
     const double variance = measured ? measured->variance / VARIANCE_GAIN : 0.0;
     const double fraction = measured ? balance(r, measured, variance) : RECORDS_FRACTION;
-    limit_records(r, fraction, COVER_UNMEASURED * fraction);
+    limit_records(r, fraction, COVER_FRACTION * fraction);
 }
 
 void render_limit_first_records(struct render *r, const struct render_pace *measured) {

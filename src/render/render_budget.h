@@ -203,11 +203,6 @@ void render_covering_filled(const satin_options *options, struct render_covering
 double render_covering_by_all_rays(const struct render_covering *covering, double seconds);
 // To be called after a level.
 void render_covering_next(struct render_covering *covering);
-// To be called after a level whose records and rays were measured: whether the image is denoised
-// and there is no time for records by all of their rays. Then it has none: records of few rays have
-// noise that is not denoised.
-bool render_covering_without_records(const satin_options *options,
-                                     const struct render_covering *covering, int stride);
 
 // Pixels whose sites are found together. With a time limit the first block of the first level has
 // RENDER_FIRST_PIXELS, because nothing is known about the time until its records are made: in

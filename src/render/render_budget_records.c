@@ -177,15 +177,6 @@ void render_covering_next(struct render_covering *c) {
     c->made = 0.0;
 }
 
-// Nothing is decided by the coarsest level, whose growth is not known. Measured at 320x180:
-// in a furnished room the second level shows that the rest takes 15 times the time that is left,
-// and the denoised image has .6 of the error without records; in a room with one table and in
-// closed ones all rays fit three times or more.
-bool render_covering_without_records(const satin_options *o, const struct render_covering *c,
-                                     int stride) {
-    return o->denoise && stride < RENDER_COARSEST && c->rays < RENDER_COARSEST;
-}
-
 // ---- Views after the first one ------------------------------------------------------------------
 
 bool render_budget_view_pays(double made, double pixels) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path tracing instead of two passes, where a time limit is too short for these: if not even the
-// first photons fit into it, or if a denoised image would have neither records nor samples.
+// first photons fit into it, or if a denoised image would have too few samples.
 #include "render/render_image.h"
 
 bool render_can_trace_paths(const struct render *r) {

@@ -43,7 +43,6 @@ static const struct course_steps steps_of[] = {
     [COURSE_DIRECT] = {SATIN_DIRECT},
     [COURSE_PATHS] = {SATIN_PATH},
     [COURSE_SPPM] = {SATIN_SPPM, PHOTONS, .passes = true},
-    [COURSE_WITHOUT_RECORDS] = {SATIN_TWO_PASS, PHOTONS | TABLES},
     [COURSE_COARSE] = {SATIN_TWO_PASS, .coarse = true},
     [COURSE_COARSE_DIRECT] = {SATIN_DIRECT, .coarse = true},
 };

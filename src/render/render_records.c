@@ -109,40 +109,32 @@ static void end_block(struct record_rounds *rounds, struct record_level *level,
     if (r->frames.view) r->frames.records[block->view] += made;
 }
 
-// Divides the time between records and image by the first block with records, found at `found`,
-// unless the image's noise is removed.
+// Whether paths would find the light: caustics are noise for them, which a denoiser removes.
+static bool paths_find_light(const struct render *r) {
+    return render_budget_caustics(photon_caustic_fraction(r->first_pass.maps)) < 1.0;
+}
+
+// Divides the time between records and image by the first block with records, found at `found`. A
+// denoised image that would have too few samples is one of paths.
 static satin_status measure_first(struct record_rounds *rounds, double found) {
     struct render *r = rounds->r;
     const double rays = (double)cache_rays(r->second_pass.cache);
-    if (rounds->measured || r->options.denoise || !(rays > 0.0)) return SATIN_OK;
+    if (rounds->measured || !(rays > 0.0)) return SATIN_OK;
     const double seconds = render_agreed(r, stats_wall() - found);
     struct render_pace pace = {.rays = rays / fmax(seconds, 1e-9)};
     rounds->measured = true;
     const satin_status status = render_first_pilot(r, &pace);
-    if (status == SATIN_OK) render_limit_first_records(r, &pace);
-    return status;
+    if (status != SATIN_OK) return status;
+    if (r->options.denoise && render_budget_traces_paths(r, pace.samples) && paths_find_light(r))
+        return render_trace_paths(r);
+    render_limit_first_records(r, &pace);
+    return SATIN_OK;
 }
 
 // Whether the level is filled although its sites have to be searched.
 static bool level_pays(const struct record_rounds *rounds, const struct record_level *level) {
     return !level->covering || render_covering_pays(&rounds->covering, all_pixels(rounds, level),
                                                     render_budget_first_round(rounds->r));
-}
-
-// Whether paths would find the light: caustics are noise for them, which a denoiser removes.
-static bool paths_find_light(const struct render *r) {
-    return render_budget_caustics(photon_caustic_fraction(r->first_pass.maps)) < 1.0;
-}
-
-// Goes on without records. If the image then has too few samples, paths are traced.
-static satin_status leave_records(struct render *r) {
-    struct render_pace pace = {0};
-    render_take_course(r, COURSE_WITHOUT_RECORDS);
-    r->second_pass.shade.records.cache = NULL;
-    const satin_status status = render_first_pilot(r, &pace);
-    if (status != SATIN_OK || !render_budget_traces_paths(r, pace.samples) || !paths_find_light(r))
-        return status;
-    return render_trace_paths(r);
 }
 
 // Fills all levels at `factor` times a; the loops are the range [done, done + span] of the stage.
@@ -171,14 +163,10 @@ static satin_status cover_levels(struct record_rounds *rounds, struct render_fac
             }
             end_block(rounds, &level, &block);
             if (status == SATIN_OK && covering) status = measure_first(rounds, block.found);
+            pays = render_has_stage(r, STAGE_RECORDS);
         }
         free(level.pixel);
         render_covering_next(&rounds->covering);
-        if (!covering ||
-            !render_covering_without_records(&r->options, &rounds->covering, level.stride))
-            continue;
-        if (status == SATIN_OK) status = leave_records(r);
-        break;
     }
     return status;
 }

@@ -35,8 +35,6 @@ enum render_course {
     COURSE_DIRECT,       // direct light alone
     COURSE_PATHS,        // path tracing, also if there is no time for photons
     COURSE_SPPM,         // progressive photon mapping: photons in every pass of the image
-    // From COURSE_TWO_PASS, by a time limit, which may also lead to COURSE_PATHS:
-    COURSE_WITHOUT_RECORDS,  // every sample gathers, as there is no time for records
     // From any course, if the caller cancels before the image has its first samples:
     COURSE_COARSE,        // a coarse image with the records so far
     COURSE_COARSE_DIRECT  // a coarse image with direct light alone
@@ -423,7 +421,7 @@ satin_status render_ranks_compare(const struct render *r);
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine, or from the caller's file; then
 // adapts it, and saves it if the caller has named a file. If a time limit leaves too little time,
-// the course becomes COURSE_WITHOUT_RECORDS.
+// the course becomes COURSE_PATHS.
 satin_status render_records(struct render *r);
 
 // ---- render_sites.c: where records may be needed

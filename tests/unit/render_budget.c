@@ -429,14 +429,14 @@ static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
     }
 }
 
-// Paths replace two passes where a pixel would have less than 1.5 samples, unless records are kept
+// Paths replace two passes where a pixel would have less than 2 samples, unless records are kept
 // in a file.
 static void few_samples_lead_to_paths(void **state) {
     (void)state;
     struct render r = render_budget_make(10.0);
     r.options.integrator = SATIN_TWO_PASS;
-    assert_true(render_budget_traces_paths(&r, 1000.0));
-    assert_false(render_budget_traces_paths(&r, 2000.0));
+    assert_true(render_budget_traces_paths(&r, 1900.0));
+    assert_false(render_budget_traces_paths(&r, 2100.0));
     r.callbacks.save_cache = "a.cache";
     assert_false(render_budget_traces_paths(&r, 1000.0));
     parallel_free(r.pool);

@@ -113,19 +113,6 @@ static void levels_that_take_too_long_to_search_do_not_pay(void **state) {
     assert_true(fewer.rays > all.rays);
 }
 
-static void a_denoised_image_has_whole_records_or_none(void **state) {
-    (void)state;
-    satin_options o = options_of(SATIN_PRODUCTION);
-    const struct render_covering fits = planned(&o, 1, 100.0, 1.0),
-                                 few = planned(&o, 1, 100.0, 0.5),
-                                 first = planned(&o, RENDER_COARSEST, 100.0, 0.0);
-    assert_false(render_covering_without_records(&o, &few, 1));
-    o.denoise = true;
-    assert_true(render_covering_without_records(&o, &few, 1));
-    assert_true(few.rays < RENDER_COARSEST && fits.rays > few.rays);
-    assert_false(render_covering_without_records(&o, &first, RENDER_COARSEST));
-}
-
 static void check_rounds(const satin_options *o) {
     const int rounds = render_budget_rounds(o);
     assert_in_range(rounds, 5, 20);
@@ -206,7 +193,6 @@ int main(void) {
         cmocka_unit_test(uncovered_sites_limit_the_rays),
         cmocka_unit_test(few_rays_foretell_a_longer_round),
         cmocka_unit_test(levels_that_take_too_long_to_search_do_not_pay),
-        cmocka_unit_test(a_denoised_image_has_whole_records_or_none),
         cmocka_unit_test(rounds_become_finer_until_they_end),
         cmocka_unit_test(the_last_records_are_half_a_pixel_wide),
         cmocka_unit_test(no_record_is_read_wider_than_it_may_be),

@@ -59,9 +59,7 @@ static void steps_follow_the_course(void **state) {
     struct render r = {0};
     render_take_course(&r, COURSE_TWO_PASS);
     assert_true(render_has_stage(&r, STAGE_PHOTONS) && render_has_stage(&r, STAGE_RECORDS));
-    render_take_course(&r, COURSE_WITHOUT_RECORDS);
     assert_int_equal(r.options.integrator, SATIN_TWO_PASS);
-    assert_true(render_has_stage(&r, STAGE_PHOTONS) && !render_has_stage(&r, STAGE_RECORDS));
     render_take_course(&r, COURSE_PATHS);
     assert_true(!render_has_stage(&r, STAGE_PHOTONS) && !render_has_stage(&r, STAGE_TABLES));
     render_take_course(&r, COURSE_COARSE_DIRECT);
