@@ -39,12 +39,11 @@ const struct option options_table[] = {
      "integrators path and sppm, or with a film filter that has negative values, every pixel gets "
      "spp samples."},
     {"denoise", OPTION_BOOL, AT(denoise), false, "off|on",
-     "Denoises the light that no record carries, with albedo and normals as auxiliary images: "
-     "direct light, caustics, gloss that is not cached, and gathering without records; with "
-     "integrators path and sppm, all reflected light. Interpolated light is changed only if pixels "
-     "have less than 16 samples, and emitters that are seen never are. The noisy image is kept in "
-     "channels of its own. It needs Open Image Denoise 2: `./bootstrap denoiser` installs it, or "
-     "the environment variable SATIN_OIDN names its file. It gets at most half of a time limit."},
+     "Denoises reflected light, with albedo and normals as auxiliary images, as far as noise "
+     "explains what that changes: light that records carry has little, and is changed little. "
+     "Emitters that are seen are not changed. The noisy image is kept in channels of its own. "
+     "It needs Open Image Denoise 2: `./bootstrap denoiser` installs it, or the environment "
+     "variable SATIN_OIDN names its file. It gets at most half of a time limit."},
     {"width", OPTION_INT, AT(width), false, "0..65536",
      "Width of the whole film in pixels; 0 is the scene's, or follows from the height by the "
      "scene's "

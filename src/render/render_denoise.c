@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Denoising of the light that no record carries. Interpolated light has no noise, but errors that a
-// denoiser would take for a part of the scene, so it is not denoised, unless pixels have few
-// samples. Emitters that are seen are never denoised. The image is the sum of the denoised light
-// and the rest.
+// Denoising of reflected light, as far as noise explains what the denoiser changes. Interpolated
+// light has little noise, but errors that a denoiser would take for a part of the scene, and so
+// have fine textures. Emitters that are seen are never denoised. The image is the sum of the
+// denoised light and the rest.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -10,11 +10,13 @@
 
 enum { DENOISE_CHUNK = 16 };  // rows per chunk
 
-// The number of samples per pixel from which on interpolated light is left as it is. Fewer samples
-// of a pixel at an edge are on one surface or the other by chance, and so is the light of its
-// records: staircase2 has .72 of the error at 2.8 samples if this is denoised, too, veach-ajar .88
-// at 9, and data scenes .9 to 1.06 at 9 and .97 to 1.05 at 25 (docs/experiments/denoising.md).
-static const double DENOISE_RECORDS_BELOW = 16.0;
+// A pixel has all of the denoiser's change if that is at most so many times the noise, in the mean
+// over the pixels that are up to EXPLAINED_RADIUS away. By 1, 1.5, 2 and 3 times relMSE x 10^4 of
+// sphere-on-floor at draft is 4.56, 4.20, 4.18 and 4.18, and of cornell-glossy at preview .315,
+// .321 and .327 by the first three, beside .348 with all of the change; up to 2 and 5 away that of
+// the former is 4.24 and 4.18 (docs/experiments/denoising.md).
+static const float CHANGE_EXPLAINED = 2.0f;
+enum { EXPLAINED_RADIUS = 3 };
 
 // Context of the filter's progress function.
 struct asked {
@@ -26,7 +28,8 @@ bool render_denoise_memory(struct render_image *image) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     image->uncached = array_new(pixels, sizeof *image->uncached);
     image->planes = array_new(pixels, 4 * sizeof *image->planes);
-    if (!image->uncached || !image->planes) return false;
+    image->explained = array_new(pixels, sizeof *image->explained);
+    if (!image->uncached || !image->planes || !image->explained) return false;
     rgb *at = image->planes;
     image->noisy = (struct film_noisy){.width = image->width,
                                        .height = image->height,
@@ -42,22 +45,16 @@ satin_status render_denoiser(struct render *r) {
     return film_denoiser_open(parallel_threads(r->pool), r->log, &r->denoiser);
 }
 
-static bool denoises_records(const struct render *r) {
-    const double pixels = (double)r->image->width * (double)r->image->height;
-    return r->second_pass.shade.records.cache &&
-           (double)r->image->taken < DENOISE_RECORDS_BELOW * pixels;
-}
-
-// The sum of the light of a pixel that is denoised; `all`: the light of records, too.
-static rgb denoised_sum(const struct image_pixel *pixel, const struct image_uncached *sum,
-                        bool all) {
-    return all ? rgb_sub(pixel->beauty, pixel->layer[SHADE_EMISSION]) : sum->light;
+// The sum of the light of a pixel that is denoised: of photons that are seen directly, none.
+static rgb denoised_sum(const struct render *r, const struct image_pixel *pixel) {
+    if (!r->second_pass.shade.records.cache)
+        return r->image->uncached[pixel - r->image->pixel].light;
+    return rgb_sub(pixel->beauty, pixel->layer[SHADE_EMISSION]);
 }
 
 static void set_plane_rows(void *ctx, size_t begin, size_t end, int worker) {
     const struct render *r = ctx;
     const struct render_image *image = r->image;
-    const bool all = denoises_records(r);
     const struct film_noisy *noisy = &image->noisy;
     rgb *light = image->planes;
     (void)worker;
@@ -68,9 +65,59 @@ static void set_plane_rows(void *ctx, size_t begin, size_t end, int worker) {
             if (!pixel) continue;
             const struct image_uncached *sum = &image->uncached[pixel - image->pixel];
             const struct shade_features features = render_features_mean(sum);
-            light[at] = rgb_scale(denoised_sum(pixel, sum, all), render_image_scale(pixel));
+            light[at] = rgb_scale(denoised_sum(r, pixel), render_image_scale(pixel));
             noisy->albedo[at] = features.albedo;
             noisy->normal[at] = features.normal;
+        }
+}
+
+// ---- What noise explains ------------------------------------------------------------------------
+
+// The variance of the mean of a pixel's reflected light by its two halves; -1 without both.
+static float variance_by_halves(const struct image_pixel *pixel, const struct image_uncached *sum) {
+    const float odd = sum->odd_weight, even = pixel->weight - odd;
+    if (!(odd > 0.0f && even > 0.0f)) return -1.0f;
+    const rgb all = rgb_sub(pixel->beauty, pixel->layer[SHADE_EMISSION]);
+    const rgb difference =
+        rgb_sub(rgb_scale(sum->odd, 1.0f / odd), rgb_scale(rgb_sub(all, sum->odd), 1.0f / even));
+    const float fraction = odd * even / (pixel->weight * pixel->weight);
+    return fraction * rgb_mean(rgb_mul(difference, difference));
+}
+
+static void compare_rows(void *ctx, size_t begin, size_t end, int worker) {
+    const struct render_image *image = ctx;
+    (void)worker;
+    for (size_t at = begin * (size_t)image->width; at < end * (size_t)image->width; at++) {
+        const rgb change = rgb_sub(image->noisy.denoised[at], image->noisy.light[at]);
+        image->explained[at].change = rgb_mean(rgb_mul(change, change));
+        image->explained[at].variance = variance_by_halves(&image->pixel[at], &image->uncached[at]);
+    }
+}
+
+// The fraction of the denoiser's change that a pixel has: all where the noise is not known.
+static float fraction_at(const struct render_image *image, int x, int y) {
+    float change = 0.0f, variance = 0.0f;
+    for (int v = y - EXPLAINED_RADIUS; v <= y + EXPLAINED_RADIUS; v++)
+        for (int u = x - EXPLAINED_RADIUS; u <= x + EXPLAINED_RADIUS; u++) {
+            if (u < 0 || v < 0 || u >= image->width || v >= image->height) continue;
+            const struct image_denoised *p =
+                &image->explained[(size_t)v * (size_t)image->width + (size_t)u];
+            if (p->variance < 0.0f) continue;
+            change += p->change;
+            variance += p->variance;
+        }
+    return change > CHANGE_EXPLAINED * variance ? CHANGE_EXPLAINED * variance / change : 1.0f;
+}
+
+static void keep_rows(void *ctx, size_t begin, size_t end, int worker) {
+    const struct render_image *image = ctx;
+    (void)worker;
+    for (size_t y = begin; y < end; y++)
+        for (int x = 0; x < image->width; x++) {
+            const size_t at = y * (size_t)image->width + (size_t)x;
+            const rgb light = image->noisy.light[at];
+            rgb *denoised = &image->noisy.denoised[at];
+            *denoised = rgb_mad(light, rgb_sub(*denoised, light), fraction_at(image, x, y));
         }
 }
 
@@ -94,7 +141,10 @@ void render_denoise(struct render *r) {
     render_stage_begin(r, STAGE_DENOISE, pixels);
     r->outcome.denoised = film_denoise(r->denoiser, &image->noisy, goes_on, &asked, r->log);
     image->denoised = r->outcome.denoised == SATIN_OK;
-    if (image->denoised && denoises_records(r)) stats_set(&r->stats, "image.denoised_records", 1.0);
+    if (image->denoised) {
+        parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, compare_rows, image);
+        parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, keep_rows, image);
+    }
     if (r->outcome.denoised == SATIN_CANCELLED)
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
 }

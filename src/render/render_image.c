@@ -24,7 +24,8 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
     if (render_irradiance_rays(options) > 0.0f) bytes += sizeof(struct image_gathered);
     if (render_noise_filter_on(options))
         bytes += sizeof(struct image_noisy) + sizeof(struct image_change);
-    if (options->denoise) bytes += sizeof(struct image_uncached) + 4 * sizeof(rgb);
+    if (options->denoise)
+        bytes += sizeof(struct image_uncached) + 4 * sizeof(rgb) + sizeof(struct image_denoised);
     if (!gather_traces_paths(options)) bytes += RENDER_RIMS_BYTES;
     if (callbacks->snapshot) bytes += 1.0 + sizeof(float) * render_film_channels(scene, options);
     return bytes * pixels;
@@ -80,6 +81,7 @@ void render_image_free(struct render_image *image) {
     render_cryptomatte_destroy(&image->cryptomatte);
     free(image->tile_user);
     free(image->planes);
+    free(image->explained);
     free(image->uncached);
     free(image->aov);
     free(image->gathered);

@@ -77,7 +77,9 @@ struct image_change {
 // Weighted sums for the denoiser over the samples of a pixel, and of features over more rays, up to
 // as many as wanted (render_features.c).
 struct image_uncached {
-    rgb light;  // of shade_sample.uncached
+    rgb light;         // of shade_sample.uncached
+    rgb odd;           // reflected light of every second sample
+    float odd_weight;  // of these samples
     struct shade_features features;
     float weight;    // of features
     uint32_t count;  // number of samples and rays
@@ -99,6 +101,12 @@ static inline struct shade_features render_features_mean(const struct image_unca
     return (struct shade_features){rgb_scale(sum->features.albedo, scale),
                                    rgb_scale(sum->features.normal, scale)};
 }
+
+// The square of what the denoiser has changed of a pixel's light, and the variance of that light,
+// or -1 if it is not known; means over the channels.
+struct image_denoised {
+    float change, variance;
+};
 
 // Sums over blocks of a pixel's consecutive samples. The samples of a pixel are stratified, so the
 // variance of their mean is far less than it would be by the differences of single samples; the
@@ -174,7 +182,8 @@ struct render_image {
     struct image_noisy *noisy_light;  // pixel by pixel
     struct image_change *change;
     // Only if the image is to be denoised, else NULL:
-    struct image_uncached *uncached;  // pixel by pixel
+    struct image_uncached *uncached;   // pixel by pixel
+    struct image_denoised *explained;  // pixel by pixel, once there is a result
     rgb *planes;              // four images: means of the light, albedo, normal, and the result
     struct film_noisy noisy;  // what the denoiser reads of these
     bool has_features;        // whether pixels know how many rays for features they want

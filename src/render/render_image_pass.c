@@ -84,8 +84,12 @@ static void add_aovs(const struct render_image *image, size_t at, const struct s
         sum[values + i] += s->weight * (s->aov[i] * s->aov[i]);
 }
 
-static void add_uncached(struct image_uncached *sum, const struct shade_sample *s) {
+static void add_uncached(struct image_uncached *sum, int parity, const struct shade_sample *s) {
     sum->light = rgb_mad(sum->light, s->uncached, s->weight);
+    if (parity & 1) {
+        sum->odd = rgb_mad(sum->odd, rgb_sub(s->beauty, s->layer[SHADE_EMISSION]), s->weight);
+        sum->odd_weight += s->weight;
+    }
     render_features_add(sum, &s->features, s->weight);
 }
 
@@ -113,7 +117,8 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
         if (finite && image->gathered) render_irradiance_gathered(&image->gathered[at], &sample);
         if (finite && image->noisy_light)
             render_noise_add(&image->noisy_light[at], x + y + (int)adapt->count, &sample);
-        if (finite && image->uncached) add_uncached(&image->uncached[at], &sample);
+        if (finite && image->uncached)
+            add_uncached(&image->uncached[at], x + y + (int)adapt->count, &sample);
         render_adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
                             finite ? sample.light_variance : 0.0f,
                             finite ? sample.lobe_variance : 0.0f);
