@@ -73,15 +73,17 @@ static void set_plane_rows(void *ctx, size_t begin, size_t end, int worker) {
 
 // ---- What noise explains ------------------------------------------------------------------------
 
-// The variance of the mean of a pixel's reflected light by its two halves; -1 without both.
+// The variance of the mean of a pixel's reflected light by its two halves; -1 without both. It is
+// too large where one half weighs more than the other: otherwise a bright sample in that half would
+// be more than its noise explains, and would remain.
 static float variance_by_halves(const struct image_pixel *pixel, const struct image_uncached *sum) {
     const float odd = sum->odd_weight, even = pixel->weight - odd;
     if (!(odd > 0.0f && even > 0.0f)) return -1.0f;
     const rgb all = rgb_sub(pixel->beauty, pixel->layer[SHADE_EMISSION]);
     const rgb difference =
         rgb_sub(rgb_scale(sum->odd, 1.0f / odd), rgb_scale(rgb_sub(all, sum->odd), 1.0f / even));
-    const float fraction = odd * even / (pixel->weight * pixel->weight);
-    return fraction * rgb_mean(rgb_mul(difference, difference));
+    const float fraction = maxf(odd, even) / pixel->weight;
+    return fraction * fraction * rgb_mean(rgb_mul(difference, difference));
 }
 
 static void compare_rows(void *ctx, size_t begin, size_t end, int worker) {
@@ -94,19 +96,30 @@ static void compare_rows(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// The fraction of the denoiser's change that a pixel has: all where the noise is not known.
+static float unexplained(struct image_denoised p) {
+    return p.change - CHANGE_EXPLAINED * p.variance;
+}
+
+// The fraction of the denoiser's change that a pixel has: all where the noise is not known. Of the
+// pixels around, the one whose change is explained least does not count: it may be one whose
+// samples are all far too bright by chance.
 static float fraction_at(const struct render_image *image, int x, int y) {
-    float change = 0.0f, variance = 0.0f;
+    struct image_denoised sum = {0.0f, 0.0f}, worst = {0.0f, 0.0f};
     for (int v = y - EXPLAINED_RADIUS; v <= y + EXPLAINED_RADIUS; v++)
         for (int u = x - EXPLAINED_RADIUS; u <= x + EXPLAINED_RADIUS; u++) {
             if (u < 0 || v < 0 || u >= image->width || v >= image->height) continue;
-            const struct image_denoised *p =
-                &image->explained[(size_t)v * (size_t)image->width + (size_t)u];
-            if (p->variance < 0.0f) continue;
-            change += p->change;
-            variance += p->variance;
+            struct image_denoised p =
+                image->explained[(size_t)v * (size_t)image->width + (size_t)u];
+            if (p.variance < 0.0f) continue;
+            if (unexplained(p) > unexplained(worst)) {
+                const struct image_denoised better = worst;
+                worst = p;
+                p = better;
+            }
+            sum.change += p.change;
+            sum.variance += p.variance;
         }
-    return change > CHANGE_EXPLAINED * variance ? CHANGE_EXPLAINED * variance / change : 1.0f;
+    return unexplained(sum) > 0.0f ? CHANGE_EXPLAINED * sum.variance / sum.change : 1.0f;
 }
 
 static void keep_rows(void *ctx, size_t begin, size_t end, int worker) {

@@ -110,6 +110,22 @@ static void noise_explains_a_part_of_a_change(void **state) {
     render_denoise_stop(&r);
 }
 
+// Both samples of that pixel are as bright.
+static void one_bright_pixel_does_not_keep_the_noise_around(void **state) {
+    (void)state;
+    struct render r = render_denoise_make();
+    r.second_pass.shade.records.cache = (struct cache *)&r;
+    render_denoise_fill(&r, 2.0f);
+    const size_t bright = PIXELS - WIDTH / 2;
+    r.image->pixel[bright].beauty = rgb_grey(200.0f);
+    r.image->uncached[bright].odd = rgb_grey(100.0f);
+    render_denoise_run(&r);
+    const float mean = film_channel(r.image->film, "R")[bright];
+    assert_true(mean < 2.0f);
+    for (size_t i = 0; i < PIXELS; i++) check_pixel(&r, i, 0.0f, 0.0f, mean);
+    render_denoise_stop(&r);
+}
+
 static void of_single_samples_the_noise_is_not_known(void **state) {
     (void)state;
     struct render r = render_denoise_make();
@@ -138,6 +154,7 @@ int main(void) {
         cmocka_unit_test(noisy_light_is_denoised_with_that_of_records),
         cmocka_unit_test(light_without_noise_is_left_as_it_is),
         cmocka_unit_test(noise_explains_a_part_of_a_change),
+        cmocka_unit_test(one_bright_pixel_does_not_keep_the_noise_around),
         cmocka_unit_test(of_single_samples_the_noise_is_not_known),
         cmocka_unit_test(without_a_cache_the_rest_is_left)};
     return cmocka_run_group_tests(tests, NULL, NULL);
