@@ -14,7 +14,7 @@
 
 enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
 
-static struct render render_denoise_make(void) {
+static struct render render_denoise_new(void) {
     struct render r = {.options = satin_options_default};
     r.options.denoise = true;
     r.scene.film.crop_width = WIDTH;
@@ -51,6 +51,15 @@ static void render_denoise_fill(struct render *r, float noise) {
     r->image->taken = 2 * PIXELS;
 }
 
+// An image of such pixels with records: whether there is a cache is all that counts.
+static struct render render_denoise_make(float noise) {
+    static char some;
+    struct render r = render_denoise_new();
+    r.second_pass.shade.records.cache = (struct cache *)&some;
+    render_denoise_fill(&r, noise);
+    return r;
+}
+
 // Whether pixel i is the sum of its emission, of its cached light times `cached`, of its other
 // light times `uncached`, and of `mean`.
 static void check_pixel(const struct render *r, size_t i, float cached, float uncached,
@@ -71,9 +80,7 @@ static void render_denoise_run(struct render *r) {
 // The mean of all reflected light is 1.
 static void noisy_light_is_denoised_with_that_of_records(void **state) {
     (void)state;
-    struct render r = render_denoise_make();
-    r.second_pass.shade.records.cache = (struct cache *)&r;  // whether there is one is all
-    render_denoise_fill(&r, 2.0f);
+    struct render r = render_denoise_make(2.0f);
     render_denoise_run(&r);
     for (size_t i = 0; i < PIXELS; i++) check_pixel(&r, i, 0.0f, 0.0f, 1.0f);
     render_denoise_stop(&r);
@@ -81,9 +88,7 @@ static void noisy_light_is_denoised_with_that_of_records(void **state) {
 
 static void light_without_noise_is_left_as_it_is(void **state) {
     (void)state;
-    struct render r = render_denoise_make();
-    r.second_pass.shade.records.cache = (struct cache *)&r;
-    render_denoise_fill(&r, 0.0f);
+    struct render r = render_denoise_make(0.0f);
     render_denoise_run(&r);
     for (size_t i = 0; i < PIXELS; i++) check_pixel(&r, i, 1.0f, 1.0f, 0.0f);
     render_denoise_stop(&r);
@@ -94,9 +99,7 @@ static void light_without_noise_is_left_as_it_is(void **state) {
 // seven pixels show equally.
 static void noise_explains_a_part_of_a_change(void **state) {
     (void)state;
-    struct render r = render_denoise_make();
-    r.second_pass.shade.records.cache = (struct cache *)&r;
-    render_denoise_fill(&r, 0.1f);
+    struct render r = render_denoise_make(0.1f);
     render_denoise_run(&r);
     for (size_t i = 0; i < PIXELS; i++) {
         const float red = film_channel(r.image->film, "R")[i] - (i < PIXELS / 2 ? 8.0f : 0.0f);
@@ -113,9 +116,7 @@ static void noise_explains_a_part_of_a_change(void **state) {
 // Both samples of that pixel are as bright.
 static void one_bright_pixel_does_not_keep_the_noise_around(void **state) {
     (void)state;
-    struct render r = render_denoise_make();
-    r.second_pass.shade.records.cache = (struct cache *)&r;
-    render_denoise_fill(&r, 2.0f);
+    struct render r = render_denoise_make(2.0f);
     const size_t bright = PIXELS - WIDTH / 2;
     r.image->pixel[bright].beauty = rgb_grey(200.0f);
     r.image->uncached[bright].odd = rgb_grey(100.0f);
@@ -128,9 +129,7 @@ static void one_bright_pixel_does_not_keep_the_noise_around(void **state) {
 
 static void of_single_samples_the_noise_is_not_known(void **state) {
     (void)state;
-    struct render r = render_denoise_make();
-    r.second_pass.shade.records.cache = (struct cache *)&r;
-    render_denoise_fill(&r, 0.0f);
+    struct render r = render_denoise_make(0.0f);
     for (size_t i = 0; i < PIXELS; i++)
         r.image->uncached[i].odd_weight = i % 2 ? 0.0f : r.image->pixel[i].weight;
     render_denoise_run(&r);
@@ -141,8 +140,8 @@ static void of_single_samples_the_noise_is_not_known(void **state) {
 // The mean of what is uncached is .5.
 static void without_a_cache_the_rest_is_left(void **state) {
     (void)state;
-    struct render r = render_denoise_make();
-    render_denoise_fill(&r, 2.0f);
+    struct render r = render_denoise_make(2.0f);
+    r.second_pass.shade.records.cache = NULL;
     render_denoise_run(&r);
     for (size_t i = 0; i < PIXELS; i++) check_pixel(&r, i, 1.0f, 0.0f, 0.5f);
     render_denoise_stop(&r);
