@@ -68,6 +68,7 @@ struct brdf {
                       // nothing
     bool asymmetric;  // measured: even mirroring them at the x or y axis changes the value
     bool opaque;      // the model transmits, but not with these parameters
+    bool rough_texture;  // roughplastic: alpha_u is not the one that the tables are made for
     // For each bump or normal map that rotated the frame, the outermost first: the normal before
     // the rotation, which is 0 after the last one; and alpha^2 of the shadowing by its slopes, 0:
     // none.

@@ -7,7 +7,7 @@
 
 enum {
     OUTSIDE_NODES = 32,  // per dimension, where the reflectance is smooth
-    INSIDE_NODES = 128   // where total reflection begins
+    INSIDE_NODES = 64    // where total reflection begins
 };
 
 // The rough boundary, for means over the visible facets.

@@ -49,14 +49,14 @@ static satin_status unknown_parameter(struct log log, const struct plugin_spec *
     struct text_nearest nearest = {.word = child->name};
     for (int i = 0; plugin->params && plugin->params[i]; i++)
         text_nearest_try(&nearest, plugin->params[i]->name);
-    const char *noun = load_plugin_noun(plugin->tag);
+    const char *noun = load_plugin_noun(plugin->tag), *written = load_xml_get(child, "name");
     if (nearest.best && !load_param_known(plugin->tag, child->name)) {
         log_error_at(log, child->place, "%s '%s' has no parameter '%s' (did you mean '%s'?)", noun,
-                     plugin->name, child->name, nearest.best);
+                     plugin->name, written, nearest.best);
         return SATIN_ERROR_INPUT;
     }
     log_warning_at(log, child->place, "%s '%s' has no parameter '%s', which has no effect", noun,
-                   plugin->name, child->name);
+                   plugin->name, written);
     return SATIN_OK;
 }
 

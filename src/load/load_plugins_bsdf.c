@@ -225,7 +225,7 @@ static param_list roughplastic_params = {&bsdf_diffuse_reflectance,
                                          &bsdf_ext_ior,
                                          &nonlinear,
                                          &bsdf_distribution,
-                                         &bsdf_constant_alpha,
+                                         &alpha,
                                          &bsdf_sample_visible,
                                          NULL};
 static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, &phong_exponent,
@@ -406,8 +406,11 @@ static satin_status build_roughplastic(struct load_state *loader, const struct p
                                        void *object) {
     struct material_side *side = object;
     side->base.distribution = (enum brdf_distribution)load_param(p, "distribution")->i;
-    side->base.alpha_u = side->base.alpha_v = load_bsdf_roughness(loader, load_param(p, "alpha"));
-    return build_plastic(loader, p, side);
+    const struct param_value *rough = load_param(p, "alpha");
+    side->base.rough_texture = rough->texture != NULL;
+    const satin_status status = load_bsdf_set_number(loader, rough, side, BRDF_SLOT_ALPHA_U);
+    side->base.alpha_v = side->base.alpha_u;
+    return status == SATIN_OK ? build_plastic(loader, p, side) : status;
 }
 
 static satin_status build_phong(struct load_state *loader, const struct params *p, void *object) {

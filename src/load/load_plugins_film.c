@@ -190,8 +190,9 @@ static satin_status build_film(struct load_state *loader, const struct params *p
         return load_refuse(loader, p, "its crop window is not inside of it");
     if ((int64_t)film->crop_width * film->crop_height > SCENE_PIXELS_MAX) {
         log_error_at(loader->log, p->node->place,
-                     "film 'hdrfilm': it has %d x %d pixels, but at most %d are supported",
-                     film->crop_width, film->crop_height, SCENE_PIXELS_MAX);
+                     "film '%s': it has %d x %d pixels, but at most %d are supported",
+                     load_xml_get(p->node, "type"), film->crop_width, film->crop_height,
+                     SCENE_PIXELS_MAX);
         return SATIN_ERROR_INPUT;
     }
     read_formats(loader, p, film);

@@ -232,6 +232,9 @@ static void what_has_no_translation_is_refused(void **state) {
     static const char *const cases[][2] = {
         {"<bsdf type='roughplastic'><string name='distribution' value='zz'/></bsdf>",
          "scene.xml:1:50: distribution: unknown value 'zz'; known are beckmann, ggx"},
+        {"<emitter type='sunsky'><vector name='sunDirecton' y='1'/></emitter>",
+         "scene.xml:1:47: emitter 'sunsky' has no parameter 'sunDirecton' (did you mean "
+         "'sun_direction'?)"},
         {"<shape type='disk'><bsdf type='hk'/></shape>",
          "scene.xml:1:43: BRDF 'hk' is not supported"},
         {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",

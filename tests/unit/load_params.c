@@ -328,8 +328,9 @@ static void textures_fit_their_models(void **state) {
         if (strcmp(b->name, "difftrans") == 0) continue;
         const struct brdf_model *model = brdf_find(b->name);
         assert_non_null(model);
-        // The roughness of roughdiffuse has no direction.
-        const bool one = strcmp(b->name, "roughdiffuse") == 0;
+        // Their roughness has no direction.
+        const bool one =
+            strcmp(b->name, "roughdiffuse") == 0 || strcmp(b->name, "roughplastic") == 0;
         for (int i = 0; i < BRDF_SLOT_COUNT; i++) {
             if (one && i == BRDF_SLOT_ALPHA_V) continue;
             bool textured = false;
