@@ -103,13 +103,27 @@ static const double MEASURED_SECONDS = 4.0, MEASURED_LEAST = 1.0 / 16.0;
 // core seconds.
 static const double SMALL_LONGER = 4.0;
 
+// The light samples of an entry where a part of the environment is visible. With a time limit there
+// are fewer, down to SKY_LEAST, where all entries would take more than DIRECT_FRACTION of it. In a
+// bathroom they took .12 of 30 CPU seconds (640x360, denoised): with a quarter of them and as many
+// more photons it has .80 of the error (four seeds). In hall they take .015 of 2 to 8 CPU seconds,
+// and a quarter of them leave 1.25 times the error.
+static const double SKY_SAMPLES = 64.0, SKY_LEAST = 16.0, DIRECT_FRACTION = 0.04;
+
 static double photons_end(const struct render *r, double caustics) {
     const double until = PHOTONS_UNTIL + (CAUSTICS_UNTIL - PHOTONS_UNTIL) * caustics;
     return r->options.time > 0.0 ? until * r->options.time : INFINITY;
 }
 
-struct gather_entry_samples render_budget_entry_samples(void) {
-    return (struct gather_entry_samples){.sky = 64, .others = 8};
+struct gather_entry_samples render_budget_entry_samples(const struct render *r, double seconds) {
+    const bool fit = !(r->options.time > 0.0) || !(seconds > DIRECT_FRACTION * r->options.time);
+    const double few = fit ? 1.0 : DIRECT_FRACTION * r->options.time / seconds;
+    return (struct gather_entry_samples){.sky = (int)fmax(SKY_SAMPLES * few, SKY_LEAST),
+                                         .others = 8};
+}
+
+double render_budget_direct(const struct render *r, double seconds) {
+    return seconds * (double)render_budget_entry_samples(r, seconds).sky / SKY_SAMPLES;
 }
 
 double render_budget_first_photons(void) { return FIRST_PHOTONS; }

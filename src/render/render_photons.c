@@ -158,7 +158,7 @@ static satin_status expected_direct(const struct render *r, double first, double
     const double start = stats_wall();
     double fraction;
     const satin_status status =
-        gather_direct_try(&g, render_budget_entry_samples(), ENTRIES_TIMED, r->pool, &fraction);
+        gather_direct_try(&g, r->first_pass.samples, ENTRIES_TIMED, r->pool, &fraction);
     *seconds = render_agreed(r, stats_wall() - start) / (fraction * first);
     return status;
 }
@@ -249,6 +249,7 @@ static satin_status build_unlimited(struct render *r) {
 
 satin_status render_photons(struct render *r) {
     if (!render_has_stage(r, STAGE_PHOTONS)) return SATIN_OK;
+    r->first_pass.samples = render_budget_entry_samples(r, 0.0);
     if (r->options.integrator != SATIN_TWO_PASS) return render_fit_photons(r);
     if (!(r->options.time > 0.0)) return build_unlimited(r);
     const struct stats before = r->stats;
@@ -261,10 +262,11 @@ satin_status render_photons(struct render *r) {
     status = expected_direct(r, first, &direct);
     if (status != SATIN_OK) return status;
     struct render_photon_counts more =
-        render_budget_photons(r, expected_seconds(r, first) + direct,
+        render_budget_photons(r, expected_seconds(r, first) + render_budget_direct(r, direct),
                               starved(r, first * (double)r->options.photons), caustics(r));
     if (r->first_pass.caustics_chosen) more.caustic = 1.0;
     if (!(more.fraction > 0.0)) return SATIN_OK;
+    r->first_pass.samples = render_budget_entry_samples(r, direct * more.fraction * more.global);
     render_memory_grow(r, &more);
     render_drop_photons(r, before);
     return render_photon_maps(r, &more);
@@ -274,7 +276,7 @@ satin_status render_direct(struct render *r) {
     if (!photon_precomputes_direct(&r->options) || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");
-    satin_status status = gather_direct_build(&r->second_pass.gather, render_budget_entry_samples(),
+    satin_status status = gather_direct_build(&r->second_pass.gather, r->first_pass.samples,
                                               r->pool, &r->first_pass.direct);
     if (status != SATIN_OK) return status;
     r->second_pass.gather.direct = &r->first_pass.direct;

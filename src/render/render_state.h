@@ -89,6 +89,7 @@ struct render_first_pass {
     struct photon_maps *maps;
     struct photon_sppm *sppm;             // of integrator sppm; it has no maps
     struct gather_direct direct;          // at the entries of the maps
+    struct gather_entry_samples samples;  // for it
     struct guide_visibility *visibility;  // of the lights; NULL: all lights are assumed visible
     struct guide_emission *emission;      // where caustic paths start; NULL: there are none
 };
