@@ -78,11 +78,12 @@ bool load_file_missing(struct load_state *loader, const struct params *p, const 
 
 // ---- The elements of <scene> --------------------------------------------------------------------
 
-static const struct plugin_spec scene_spec = {.tag = XML_SCENE,
-                                              .name = "scene",
-                                              .children = 1u << XML_SHAPE | 1u << XML_BSDF |
-                                                          1u << XML_TEXTURE | 1u << XML_EMITTER |
-                                                          1u << XML_SENSOR | 1u << XML_INTEGRATOR};
+static const struct plugin_spec scene_spec = {
+    .tag = XML_SCENE,
+    .name = "scene",
+    .children = 1u << XML_SHAPE | 1u << XML_BSDF | 1u << XML_TEXTURE | 1u << XML_EMITTER |
+                1u << XML_SENSOR | 1u << XML_INTEGRATOR | 1u << XML_FILM | 1u << XML_SAMPLER |
+                1u << XML_RFILTER};
 
 // The index that a text is, in decimal digits without a sign or leading zeros; -1 if it is none.
 static int sensor_index(const char *text) {
@@ -133,13 +134,37 @@ static bool left_unread(const struct load_state *loader, const struct xml_node *
     return true;
 }
 
+// What is wrong with an object that is not used does not change the image.
+static void log_unused(void *user, satin_log_severity severity, const char *message) {
+    const struct log *to = user;
+    if (severity == SATIN_LOG_ERROR)
+        log_message(*to, SATIN_LOG_WARNING, "%s; it is not used", message);
+    else
+        log_message(*to, severity, "%s", message);
+}
+
+// Until end_unused, errors are logged as warnings. Returns the log for these.
+static struct log begin_unused(struct load_state *loader) {
+    loader->used_log = loader->log;
+    loader->log = (struct log){log_unused, &loader->used_log};
+    return loader->used_log;
+}
+
+// Returns `status`, or SATIN_OK if it is that of an error in the scene.
+static satin_status end_unused(struct load_state *loader, struct log log, satin_status status) {
+    loader->log = log;
+    return status == SATIN_ERROR_MEMORY ? status : SATIN_OK;
+}
+
 static satin_status build_sensor(struct load_state *loader, struct xml_node *node,
                                  const struct xml_node *used) {
     if (node == used) return load_sensor(loader, node);
     if (!loader->sensor)
         log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
+    if (left_unread(loader, node)) return SATIN_OK;
     struct params p;
-    return left_unread(loader, node) ? SATIN_OK : load_params(loader, node, &p);
+    const struct log log = begin_unused(loader);
+    return end_unused(loader, log, load_params(loader, node, &p));
 }
 
 static bool same_window(const struct scene_film *a, const struct scene_film *b) {
@@ -200,19 +225,43 @@ static satin_status build_objects(struct load_state *loader) {
     return status;
 }
 
+static bool refers_to(const struct load_xml *xml, const struct xml_node *node,
+                      const struct xml_node *target) {
+    for (struct xml_node *child = node->child; child; child = child->next) {
+        if (child->tag == XML_REF && load_xml_target(xml, (struct log){0}, child) == target)
+            return true;
+        if (refers_to(xml, child, target)) return true;
+    }
+    return false;
+}
+
+// Parts of a sensor may stand in <scene> for a <ref> in it, as in Mitsuba; alone they do nothing.
+static void report_misplaced(struct load_state *loader) {
+    for (struct xml_node *node = loader->xml.root->child; node; node = node->next) {
+        const char *home = node->tag == XML_RFILTER ? "<film>" : "<sensor>";
+        if (node->tag != XML_FILM && node->tag != XML_SAMPLER && node->tag != XML_RFILTER) continue;
+        if (!refers_to(&loader->xml, loader->xml.root, node))
+            log_warning_at(loader->log, node->place, "this %s is not used; its place is %s",
+                           load_plugin_noun(node->tag), home);
+    }
+}
+
 // Builds and drops the materials and textures that nothing refers to, so that errors in them are
-// reported.
+// reported, as warnings.
 static satin_status check_unused(struct load_state *loader) {
-    satin_status status = SATIN_OK;
-    for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
-         node = node->next) {
+    for (struct xml_node *node = loader->xml.root->child; node; node = node->next) {
         struct material material;
         const struct texture *texture;
+        const struct log log = begin_unused(loader);
+        satin_status status = SATIN_OK;
         if (node->tag == XML_BSDF && !node->material && !left_unread(loader, node))
             status = load_material_build(loader, node, &material);
-        if (node->tag == XML_TEXTURE) status = load_texture_of(loader, node, &texture);
+        if (node->tag == XML_TEXTURE && !node->texture)
+            status = load_texture_of(loader, node, &texture);
+        status = end_unused(loader, log, status);
+        if (status != SATIN_OK) return status;
     }
-    return status;
+    return SATIN_OK;
 }
 
 // ---- The scene ----------------------------------------------------------------------------------
@@ -279,6 +328,7 @@ static satin_status load_all(struct load_state *loader) {
     satin_status status = load_params_read(source, &scene_spec, loader->xml.root, &p);
     if (status == SATIN_OK) status = build_objects(loader);
     if (status == SATIN_OK) status = check_unused(loader);
+    if (status == SATIN_OK) report_misplaced(loader);
     if (status == SATIN_OK) status = load_poses_check(loader);
     if (status == SATIN_OK) status = keep_objects(loader);
     if (status == SATIN_OK) polish_materials(loader->scene);

@@ -28,8 +28,9 @@ const char *load_mitsuba06_tag(const char *name) {
     return map_name(tags, name);
 }
 
-bool load_mitsuba06_attribute(const char *name) {
-    return strcmp(name, "temperature") == 0 || strcmp(name, "scale") == 0;
+bool load_mitsuba06_attribute(enum xml_tag tag, const char *name) {
+    if ((tag == XML_RGB || tag == XML_SPECTRUM) && strcmp(name, "intent") == 0) return true;
+    return tag == XML_SPECTRUM && (strcmp(name, "temperature") == 0 || strcmp(name, "scale") == 0);
 }
 
 // ---- Names --------------------------------------------------------------------------------------

@@ -9,8 +9,10 @@
 // The name of an element in version 3.
 const char *load_mitsuba06_tag(const char *name);
 
-// Whether <blackbody> has this attribute; it becomes a spectrum with parameters.
-bool load_mitsuba06_attribute(const char *name);
+// Whether an element has this attribute besides those of version 3: of <blackbody>, which becomes a
+// spectrum with parameters, and `intent` of a colour, which says whether it is a reflectance and
+// does not change it.
+bool load_mitsuba06_attribute(enum xml_tag tag, const char *name);
 
 // Translates an element before it becomes a child of `parent` (NULL: the root). *keep is set to
 // false if it has no meaning in version 3 or was merged into another child. SATIN_ERROR_INPUT is

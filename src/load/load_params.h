@@ -161,6 +161,11 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
 bool load_param_known(enum xml_tag tag, const char *name);
 // Integrators that are read like `path` (load_plugins_integrator.c), NULL-ended.
 extern const char *const load_transport[];
+// A reflectance over 1, or a sum of them, is scaled to this, as in Mitsuba 0.6.
+#define ALBEDO_MOST 0.99f
+
+// Whether satin reads the plugin of an object.
+bool load_plugin_known(const struct xml_node *node);
 // Whether Mitsuba has the plugin of an object and satin does not read it.
 bool load_plugin_unread(const struct xml_node *node);
 // The word for an object in messages: BRDF, shape, ...

@@ -2,6 +2,7 @@
 // All plugins of scene files: lookup by name, and their description for the documentation.
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/text.h"
 #include "load/load.h"
@@ -95,20 +96,25 @@ static const struct plugin_spec *find_named(const struct xml_node *node, const c
     return NULL;
 }
 
+bool load_plugin_known(const struct xml_node *node) { return find_named(node, node->type) != NULL; }
+
 const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node *node) {
     const struct plugin_spec *plugin = find_named(node, node->type);
     if (plugin) return plugin;
     const char *noun = load_plugin_noun(node->tag), *nearest = nearest_name(node);
     const char *plain = substitute_type(node->tag);
+    if (nearest && plain && strcasecmp(nearest, node->type) == 0) plain = nearest;
     if (load_plugin_unread(node)) {
         log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);
+    } else if (plain) {
+        const bool hint = nearest && strcmp(nearest, plain) != 0;
+        log_warning_at(log, node->place, "unknown %s '%s'%s%s%s, which is read as '%s'", noun,
+                       node->type, hint ? " (did you mean '" : "", hint ? nearest : "",
+                       hint ? "'?)" : "", plain);
+        return find_named(node, plain);
     } else if (nearest) {
         log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,
                      nearest);
-    } else if (plain) {
-        log_warning_at(log, node->place, "unknown %s '%s', which is read as '%s'", noun, node->type,
-                       plain);
-        return find_named(node, plain);
     } else {
         log_error_at(log, node->place, "unknown %s '%s' (`satin help plugins` lists all)", noun,
                      node->type);

@@ -233,9 +233,6 @@ static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, 
 static param_list ward_params = {
     &bsdf_diffuse_reflectance, &lobe_reflectance, &variant, &ward_alpha_u, &ward_alpha_v, NULL};
 
-// A sum of reflectances over 1 is scaled to this, as in Mitsuba 0.6.
-#define ALBEDO_MOST 0.99f
-
 // Reads alpha, or alpha_u and alpha_v.
 static satin_status set_alpha(struct load_state *loader, const struct params *p,
                               struct material_side *side) {

@@ -132,11 +132,17 @@ static satin_status read_moment(struct load_state *loader, const struct xml_node
 static satin_status read_inner(struct load_state *loader, struct xml_node *node, int depth) {
     const int first = loader->scene->hints.aovs.count;
     struct xml_node *at = NULL, *inner = load_params_child(&loader->xml, node, XML_INTEGRATOR, &at);
+    // An unknown one, such as `multichannel`, may have some that are not read.
+    const bool unknown = !load_plugin_known(node);
+    while (unknown && inner && load_plugin_unread(inner)) {
+        log_warning_at(loader->log, at->place, "integrator '%s' has no effect here", inner->type);
+        inner = load_params_child(&loader->xml, node, XML_INTEGRATOR, &at);
+    }
     if (!inner) return SATIN_OK;
     struct xml_node *another = at;
     if (depth == INTEGRATOR_NESTING_MAX)
         log_error_at(loader->log, at->place, "integrators are nested too deep");
-    else if (load_params_child(&loader->xml, node, XML_INTEGRATOR, &another))
+    else if (!unknown && load_params_child(&loader->xml, node, XML_INTEGRATOR, &another))
         log_error_at(loader->log, another->place, "integrator '%s': it takes one integrator",
                      node->type);
     else if (strcmp(inner->type, "satin") == 0)

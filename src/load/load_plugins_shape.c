@@ -164,7 +164,8 @@ static satin_status read_shape_mesh(struct load_state *loader, const struct para
     if (angle->given && angle->f <= 180.0f) request.smooth_angle = angle->f;
     if (angle->given && (angle->f > 180.0f || request.face_normals))
         return load_refuse(loader, p,
-                           "max_smooth_angle is at most 180 degrees, without face_normals");
+                           angle->f > 180.0f ? "its max_smooth_angle is over 180 degrees"
+                                             : "it has both face_normals and max_smooth_angle");
     struct load_source source;
     satin_status status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;

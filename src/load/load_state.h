@@ -14,11 +14,12 @@ enum { TEXTURE_NESTING_MAX = 8 };
 
 struct load_state {
     struct log log;
-    const char *path;    // of the main file
-    const char *sensor;  // the id or the index of the sensor to use; NULL: the first one
-    bool all_sensors;    // the cameras of all sensors are read, too
-    bool lenient;        // missing or unknown objects are left out, with a warning
-    struct log each;     // log for those warnings, which are not counted but passed on at once
+    struct log used_log;  // while what is not used is read: the log for all else
+    const char *path;     // of the main file
+    const char *sensor;   // the id or the index of the sensor to use; NULL: the first one
+    bool all_sensors;     // the cameras of all sensors are read, too
+    bool lenient;         // missing or unknown objects are left out, with a warning
+    struct log each;      // log for those warnings, which are not counted but passed on at once
     struct load_xml xml;
     struct satin_scene *scene;  // the scene that is built; the arrays below become its arrays at
                                 // the end

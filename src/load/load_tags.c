@@ -98,7 +98,7 @@ bool load_xml_attributes_valid(struct log log, const struct xml_node *node, bool
     for (const char *const *a = node->attribute; *a; a += 2) {
         if (is_listed(info->required, 3, *a) || is_listed(info->optional, 5, *a)) continue;
         if (root && strcmp(*a, "version") == 0) continue;
-        if (node->mitsuba06 && node->tag == XML_SPECTRUM && load_mitsuba06_attribute(*a)) continue;
+        if (node->mitsuba06 && load_mitsuba06_attribute(node->tag, *a)) continue;
         log_error_at(log, node->place, "<%s> has no attribute '%s'", info->name, *a);
         return false;
     }
@@ -117,6 +117,10 @@ bool load_xml_attributes_valid(struct log log, const struct xml_node *node, bool
     if (strncmp(version, "3.", 2) == 0 || strncmp(version, "2.", 2) == 0 ||
         load_xml_version_mitsuba06(version))
         return true;
+    if (strtol(version, NULL, 10) > 3) {
+        log_warning_at(log, node->place, "version '%s' is read as 3.x", version);
+        return true;
+    }
     log_error_at(log, node->place, "version '%s' is not supported: 0.x, 2.x and 3.x are", version);
     return false;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads values of parameters from text: numbers, lists, names and colours, with their ranges.
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -98,7 +99,11 @@ static satin_status check_in(struct log log, const struct param_spec *spec, enum
         log_warning_at(log, place, "%s is %g, which counts as %d", spec->name, x, x > 0.5f);
         return SATIN_OK;
     }
-    log_error_at(log, place, "%s is %g, but must be %s", spec->name, x, text[range]);
+    char shown[32];
+    snprintf(shown, sizeof shown, "%g", (double)x);
+    if (value_in_range(range, strtof(shown, NULL)))
+        snprintf(shown, sizeof shown, "%.9g", (double)x);  // as 1.00000012
+    log_error_at(log, place, "%s is %s, but must be %s", spec->name, shown, text[range]);
     return SATIN_ERROR_INPUT;
 }
 
@@ -209,6 +214,16 @@ static bool is_number(const struct xml_node *node) {
     return node->tag != XML_RGB && !is_sampled(node) && !(node->type && strstr(node->type, "rgb"));
 }
 
+// Scales a reflectance over 1 as Mitsuba 0.6 does.
+static void scale_to_unit(struct log log, const struct param_spec *spec,
+                          const struct xml_node *node, rgb *color) {
+    const float most = rgb_max(*color), scale = ALBEDO_MOST / most;
+    if (!(most > 1.0f)) return;
+    *color = rgb_scale(*color, scale);
+    log_warning_at(log, node->place, "%s is %g, and is scaled by %.3g as in Mitsuba 0.6",
+                   spec->name, (double)most, (double)scale);
+}
+
 static satin_status read_color(struct param_source source, const struct param_spec *spec,
                                struct xml_node *node, struct param_value *value) {
     struct log log = source.log;
@@ -219,6 +234,7 @@ static satin_status read_color(struct param_source source, const struct param_sp
     if (range == RANGE_UNIT && is_sampled(node))
         value->color = rgb_make(fminf(value->color.r, 1.0f), fminf(value->color.g, 1.0f),
                                 fminf(value->color.b, 1.0f));
+    if (spec->range == RANGE_UNIT && node->mitsuba06) scale_to_unit(log, spec, node, &value->color);
     const float c[3] = {value->color.r, value->color.g, value->color.b};
     for (int i = 0; i < 3 && status == SATIN_OK; i++) {
         if (value_in_range(range, c[i])) continue;

@@ -78,6 +78,11 @@ static satin_status copy_text(struct file *file, const char *text, const char **
                      LOAD_ATTRIBUTE_MAX);
         return status;
     }
+    // In a label of version 0.6, as `$film['width']`, the program itself fills it in.
+    if (file->mitsuba06 && strchr(text, '[')) {
+        *out = arena_text(arena, text, strlen(text));
+        return *out ? SATIN_OK : SATIN_ERROR_MEMORY;
+    }
     int n = 1 + (int)strspn(problem + 1,
                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
     log_error_at(reader->log, current_place(file),

@@ -46,9 +46,11 @@ static void flatter_edges_are_smoothed(void **state) {
 
 static void impossible_smoothing_is_refused(void **state) {
     (void)state;
-    static const char *const cases[] = {
-        "<float name='max_smooth_angle' value='181'/>",
-        "<float name='max_smooth_angle' value='30'/><boolean name='face_normals' value='true'/>"};
+    static const char *const cases[][2] = {
+        {"<float name='max_smooth_angle' value='181'/>",
+         "its max_smooth_angle is over 180 degrees"},
+        {"<float name='max_smooth_angle' value='30'/><boolean name='face_normals' value='true'/>",
+         "it has both face_normals and max_smooth_angle"}};
     scene_case_file("cube.obj", load_mesh_smooth_cube);
     for (int i = 0; i < 2; i++) {
         char text[512];
@@ -58,11 +60,11 @@ static void impossible_smoothing_is_refused(void **state) {
         snprintf(text, sizeof text,
                  SCENE_TEXT("<shape type='obj'><string name='filename' value='cube.obj'/>%s"
                             "</shape>"),
-                 cases[i]);
+                 cases[i][0]);
         scene_case_file("scene.xml", text);
         assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene),
                          SATIN_ERROR_INPUT);
-        assert_non_null(strstr(c.error, "max_smooth_angle is at most 180 degrees"));
+        assert_non_null(strstr(c.error, cases[i][1]));
     }
 }
 

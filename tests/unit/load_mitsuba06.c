@@ -16,8 +16,8 @@ static const char mitsuba06[] =
     "<sampler type='sobol'><integer name='sampleCount' value='9'/></sampler>"
     "<film type='ldrfilm'><boolean name='banner' value='false'/>"
     "<integer name='width' value='40'/></film></sensor>"
-    "<bsdf type='roughplastic' id='a'><srgb name='diffuseReflectance' value='.5 .5 #'/></bsdf>"
-    "</scene>";
+    "<shape type='sphere'><bsdf type='roughplastic'>"
+    "<srgb name='diffuseReflectance' value='.5 .5 #'/></bsdf></shape></scene>";
 
 static void names_of_version_06_are_translated(void **state) {
     (void)state;
@@ -131,9 +131,10 @@ static void defaults_of_version_06_are_kept(void **state) {
     satin_scene_free(scene);
     assert_null(
         scene_case_load(&c,
-                        "<scene version='0.6.0'><sensor type='perspective'/><texture type='bitmap'>"
+                        "<scene version='0.6.0'><sensor type='perspective'/><shape type='sphere'>"
+                        "<bsdf type='diffuse'><texture name='reflectance' type='bitmap'>"
                         "<string name='filename' value='none.png'/>"
-                        "<float name='gamma' value='-1'/></texture></scene>"));
+                        "<float name='gamma' value='-1'/></texture></bsdf></shape></scene>"));
     assert_non_null(strstr(c.error, "none.png"));
 }
 
@@ -182,12 +183,15 @@ static void textures_of_version_06_are_read(void **state) {
     assert_true(scene_texture_eval(outer, &at).g == .125f);
     satin_scene_free(scene);
     static const char *const bad[][2] = {
-        {"<texture type='scale'/>", "texture 'scale' takes one <texture>"},
-        {"<texture type='wireframe'/>", "texture 'wireframe' is not supported"}};
+        {"<texture name='reflectance' type='scale'/>", "texture 'scale' takes one <texture>"},
+        {"<texture name='reflectance' type='wireframe'/>", "texture 'wireframe' is not supported"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char text[256];
-        snprintf(text, sizeof text, "<scene version='0.6.0'>%s<sensor type='perspective'/></scene>",
-                 bad[i][0]);
+        snprintf(
+            text, sizeof text,
+            "<scene version='0.6.0'><shape type='sphere'><bsdf type='diffuse'>%s</bsdf></shape>"
+            "<sensor type='perspective'/></scene>",
+            bad[i][0]);
         assert_null(scene_case_load(&c, text));
         assert_non_null(strstr(c.error, bad[i][1]));
     }
@@ -230,15 +234,17 @@ static void colours_of_vertices_are_read(void **state) {
 static void what_has_no_translation_is_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {
-        {"<bsdf type='roughplastic'><string name='distribution' value='zz'/></bsdf>",
-         "scene.xml:1:50: distribution: unknown value 'zz'; known are beckmann, ggx"},
+        {"<shape type='disk'><bsdf type='roughplastic'>"
+         "<string name='distribution' value='zz'/></bsdf></shape>",
+         "scene.xml:1:69: distribution: unknown value 'zz'; known are beckmann, ggx"},
         {"<emitter type='sunsky'><vector name='sunDirecton' y='1'/></emitter>",
          "scene.xml:1:47: emitter 'sunsky' has no parameter 'sunDirecton' (did you mean "
          "'sun_direction'?)"},
         {"<shape type='disk'><bsdf type='hk'/></shape>",
          "scene.xml:1:43: BRDF 'hk' is not supported"},
-        {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",
-         "scene.xml:1:47: gamma is '1.8', but must be 1, 2.2 or -1"}};
+        {"<shape type='disk'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'>"
+         "<float name='gamma' value='1.8'/></texture></bsdf></shape>",
+         "scene.xml:1:106: gamma is '1.8', but must be 1, 2.2 or -1"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         char text[512];
@@ -247,6 +253,35 @@ static void what_has_no_translation_is_refused(void **state) {
         assert_null(scene_case_load(&c, text));
         assert_int_equal(c.errors, 1);
         assert_int_equal(strncmp(c.error, cases[i][1], strlen(cases[i][1])), 0);
+    }
+}
+
+#define SENSOR06 "<sensor type='perspective'/>"
+#define FILM06(parts) "<sensor type='perspective'><film type='hdrfilm'>" parts "</film></sensor>"
+
+// Reflectances over 1 are scaled as in that version, and what the program itself reads has no
+// effect.
+static void what_version_06_ignores_is_no_error(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {FILM06("<string name='label[9, 9]' value='$film[&apos;width&apos;]'/>"),
+         "film 'hdrfilm' has no parameter 'label[9, 9]', which has no effect"},
+        {FILM06("<string name='label' value='$width'/>"), NULL},
+        {SENSOR06 "<shape type='disk'><bsdf type='diffuse'>"
+                  "<rgb name='reflectance' value='1.5 .75 0' intent='reflectance'/></bsdf></shape>",
+         "reflectance is 1.5, and is scaled by 0.66 as in Mitsuba 0.6"},
+        {SENSOR06 "<integrator type='multichannel'><integrator type='field'/>"
+                  "<integrator type='path'/><integrator type='field'/></integrator>",
+         "integrator 'field' has no effect here"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene_case c;
+        char text[512];
+        snprintf(text, sizeof text, "<scene version='0.6.0'>%s</scene>", cases[i][0]);
+        satin_scene *scene = scene_case_load(&c, text);
+        assert_int_equal(scene != NULL, cases[i][1] != NULL);
+        if (!scene) continue;
+        assert_non_null(strstr(c.warning, cases[i][1]));
+        satin_scene_free(scene);
     }
 }
 
@@ -313,6 +348,7 @@ int main(void) {
         cmocka_unit_test(defaults_of_version_06_are_kept),
         cmocka_unit_test(colours_of_vertices_are_read),
         cmocka_unit_test(what_has_no_translation_is_refused),
+        cmocka_unit_test(what_version_06_ignores_is_no_error),
         cmocka_unit_test(rough_diffuse_surfaces_are_read),
         cmocka_unit_test(textures_of_version_06_are_read),
         cmocka_unit_test(files_of_other_programs_are_read),

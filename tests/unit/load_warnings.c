@@ -3,6 +3,7 @@
 // counted, or become errors.
 #include "load/load_warnings.h"
 
+#include "scene/scene.h"
 #include "scene_case.h"
 
 #define SPHERE(parts) "<shape type='sphere'>" parts "</shape>"
@@ -43,6 +44,18 @@ static const struct nonsense warned[] = {
     {"<emitter type='spot'><float name='beam_width' value='30'/></emitter>",
      "its beam_width is larger than its cutoff_angle, where its light ends"},
     {"<bsdf type='hair' id='h'/>", "BRDF 'hair' is not supported; it is not used"},
+    {"<bsdf type='phng' id='a'/>", "unknown BRDF 'phng' (did you mean 'phong'?); it is not used"},
+    {"<bsdf type='diffuse'><rgb name='reflectance' value='2 1 1'/></bsdf>",
+     "reflectance is 2, but must be in [0, 1]; it is not used"},
+    {"<texture type='bitmap'><string name='filename' value='none.png'/></texture>",
+     "cannot read 'none.png': No such file or directory; it is not used"},
+    {"<sensor type='perspective'><film type='hdrfilm'><rfilter type='Mitchell'/></film></sensor>",
+     "unknown filter 'Mitchell', which is read as 'mitchell'"},
+    {"<film type='hdrfilm'/>", "this film is not used; its place is <sensor>"},
+    {"<rfilter type='box' id='a'/>", "this filter is not used; its place is <film>"},
+    {"<integrator type='pathh'/>", "unknown integrator 'pathh', which is read as 'path'"},
+    {"<integrator type='ao'/>",
+     "unknown integrator 'ao' (did you mean 'aov'?), which is read as 'path'"},
     {"<medium type='homogeneous' id='m'><phase type='hg'/>text</medium>",
      "<medium> is not supported; it is not used"},
     {SPHERE("<medium type='homogeneous' name='interior'><float name='scale' value='2'/></medium>"),
@@ -80,6 +93,8 @@ static const struct nonsense refused[] = {
     {SPHERE(FLOAT("radius", "1e39")), "'1e39' is not a number"},
     {SPHERE(FLOAT("radius", "")), "expected 1 number, found ''"},
     {SPHERE(FLOAT("radius", "1 2")), "expected 1 number, found '1 2'"},
+    {SPHERE("<bsdf type='diffuse'><float name='reflectance' value='1.0000001'/></bsdf>"),
+     "reflectance is 1.00000012, but must be in [0, 1]"},
     {"<shape type='disk'>" TO_WORLD("<scale value='0'/>") "</shape>",
      "shape 'disk': to_world is singular"},
     {FILM(INTEGER("width", "0")), "width is 0, but must be positive"},
@@ -216,6 +231,22 @@ static void strict_loading_refuses_what_it_reports(void **state) {
     satin_scene_free(scene);
 }
 
+// A film beside the sensor that refers to it, and a version that is not known yet.
+static void parts_of_a_sensor_may_be_anywhere(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='4.0.0'><film type='hdrfilm' id='f'><integer name='width' value='40'/>"
+        "</film><sensor type='perspective'><ref id='f'/></sensor></scene>");
+    assert_non_null(scene);
+    assert_int_equal(scene->film.width, 40);
+    assert_int_equal(c.warnings, 1);
+    assert_string_equal(c.warning, "scene.xml:1:1: version '4.0.0' is read as 3.x");
+    satin_scene_free(scene);
+    assert_null(scene_case_load(&c, "<scene version='1.0'><sensor type='perspective'/></scene>"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubtful_values_are_reported),
@@ -224,6 +255,7 @@ int main(void) {
         cmocka_unit_test(impossible_values_are_refused),
         cmocka_unit_test(warnings_of_a_kind_are_counted),
         cmocka_unit_test(warnings_come_before_an_error),
+        cmocka_unit_test(parts_of_a_sensor_may_be_anywhere),
         cmocka_unit_test(strict_loading_refuses_what_it_reports),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
