@@ -167,6 +167,7 @@ static void beams_beside_balls_are_found(void **state) {
 struct sky_room {
     struct lit_cube cube;
     struct guide_visibility *visibility;
+    satin_options options;
     struct gather g;
     struct parallel *pool;
 };
@@ -178,18 +179,19 @@ static void sky_room_make(struct sky_room *room) {
     test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
     test_scene_finish(t);
     test_look_down(t);
-    satin_options o = satin_options_default;
-    o.photons = 200000;
-    o.caustic_photons = 0;
+    room->options = satin_options_default;
+    room->options.photons = 200000;
+    room->options.caustic_photons = 0;
     room->pool = parallel_new(2);
     struct stats stats = {0};
-    assert_int_equal(photon_case_build(&t->scene, &o, room->pool, &stats, &room->cube.maps),
-                     SATIN_OK);
+    assert_int_equal(
+        photon_case_build(&t->scene, &room->options, room->pool, &stats, &room->cube.maps),
+        SATIN_OK);
     const struct guide_visibility_samples rays = {
         .paths = 4096, .box_rays = 8, .bin_rays = 3, .open_bins = 1024, .light_rays = 32};
     assert_int_equal(guide_visibility_build(&t->scene, 0, rays, room->pool, &room->visibility),
                      SATIN_OK);
-    room->g = gather_make(&t->scene, &o, room->cube.maps);
+    room->g = gather_make(&t->scene, &room->options, room->cube.maps);
 }
 
 static void sky_room_free(struct sky_room *room) {
