@@ -18,6 +18,8 @@ static const float FEATURES_ALIKE = 0.1f;
 // Fraction of the remaining time of the image that rays may take, and what the denoiser's network
 // for features without noise takes beyond the other one.
 static const double FEATURES_FRACTION = 1.0 / 8.0;
+// Fraction of the time limit that rays of pixels without a sample may take after it.
+static const double LATE_FRACTION = 0.02;
 
 // The context of loops over pixels.
 struct features {
@@ -147,6 +149,41 @@ satin_status render_features(struct render *r) {
     if (!image->has_features) plan_features(&f, render_agreed(r, limit - render_elapsed(r)));
     const bool whole = parallel_for_results(r->pool, count_pixels(r), FEATURES_CHUNK,
                                             trace_features, &f, &results);
+    render_limit_restore(r, limit);
+    return whole ? SATIN_OK : SATIN_CANCELLED;
+}
+
+static bool is_missing(const struct features *f, size_t at) {
+    const struct image_pixel *pixel = &f->r->image->pixel[at];
+    return !pixel->samples && !pixel->dropped && f->pixel[at].weight == 0.0f;
+}
+
+static void trace_missing(void *ctx, size_t begin, size_t end, int worker) {
+    const struct features *f = ctx;
+    (void)worker;
+    for (size_t at = begin; at < end; at++) {
+        struct shade_features found;
+        if (!is_missing(f, at)) continue;
+        const float weight = find_features(f->r, at, 0, &found);
+        if (weight > 0.0f) render_features_add(&f->pixel[at], &found, weight);
+    }
+}
+
+satin_status render_features_late(struct render *r) {
+    struct render_image *image = r->image;
+    if (!r->options.denoise || render_cancelled(r) || render_steps(r)->coarse ||
+        !(r->options.time > 0.0) || image->taken >= count_pixels(r))
+        return SATIN_OK;
+    struct features f = {.r = r, .pixel = image->uncached};
+    const struct parallel_results results = {.slot = {{f.pixel, sizeof *f.pixel}}};
+    const double limit = render_limit_lift(r);
+    size_t count = 0;
+    for (size_t at = 0; at < count_pixels(r); at++) count += is_missing(&f, at);
+    image->filled = (double)count * feature_seconds(&f) <= LATE_FRACTION * r->options.time;
+    parallel_begin_part(r->pool, "features");
+    const bool whole =
+        !image->filled ||
+        parallel_for_results(r->pool, count_pixels(r), FEATURES_CHUNK, trace_missing, &f, &results);
     render_limit_restore(r, limit);
     return whole ? SATIN_OK : SATIN_CANCELLED;
 }

@@ -50,7 +50,9 @@ static void put_pixel(const struct channel_planes *planes, size_t at,
     const rgb emission = mean_emission(own->emission.weight > 0.0f ? own : pixel);
     const rgb beauty = rgb_add(rgb_scale(rgb_sub(pixel->beauty, *seen), scale), emission);
     rgb shown = beauty;
-    if (image->denoised)
+    if (image->denoised && render_is_filled(image, at, pixel))
+        shown = rgb_add(emission, image->noisy.denoised[at]);
+    else if (image->denoised)
         shown = rgb_add(beauty, rgb_sub(image->noisy.denoised[at], image->noisy.light[at]));
     put_rgb(planes, 0, at, shown, 1.0f);
     put_rgb(planes, CHANNEL_NOISY, at, beauty, 1.0f);

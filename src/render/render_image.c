@@ -259,8 +259,10 @@ static satin_status sample_passes(struct image_pass *pass) {
         const satin_status rims = take_late_rims(r);
         if (rims != SATIN_OK) status = rims;
     }
-    if (begun && (status == SATIN_OK || status == SATIN_CANCELLED)) render_checkpoint_write(r);
-    return status;
+    if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
+    if (begun) render_checkpoint_write(r);
+    const satin_status late = render_features_late(r);
+    return late == SATIN_OK ? status : late;
 }
 
 satin_status render_image_fill(struct render *r) {

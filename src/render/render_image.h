@@ -188,11 +188,17 @@ struct render_image {
     struct film_noisy noisy;  // what the denoiser reads of these
     bool has_features;        // whether pixels know how many rays for features they want
     bool denoised;            // whether there is a result
+    bool filled;              // whether pixels without a sample have features of their own
 };
 
 // The sampled pixel whose values are used at (x, y): the pixel itself, or the nearest one in the
 // grids of the first samples; NULL if there is none (render_film.c).
 const struct image_pixel *render_image_source(const struct render_image *image, int x, int y);
+// Whether the denoiser had features of a pixel's own although another one's values are used.
+static inline bool render_is_filled(const struct render_image *image, size_t at,
+                                    const struct image_pixel *source) {
+    return image->filled && source != &image->pixel[at] && image->uncached[at].weight > 0.0f;
+}
 // The factor from a pixel's weighted sums to means.
 float render_image_scale(const struct image_pixel *pixel);
 
@@ -256,6 +262,9 @@ bool render_denoise_memory(struct render_image *image);
 // If the image is to be denoised and all pixels have a sample, takes the rays for features that are
 // missing (render_features.c). To be called before each pass.
 satin_status render_features(struct render *r);
+// After a time limit that was over before all pixels had a sample: one such ray in each of those
+// without, unless these take too long. They are not in checkpoints.
+satin_status render_features_late(struct render *r);
 
 // ---- Passes (render_image_pass.c)
 

@@ -147,6 +147,38 @@ static void without_a_cache_the_rest_is_left(void **state) {
     render_denoise_stop(&r);
 }
 
+// One in four pixels has samples, of which the light is twice the albedo; the others have features
+// alone, of an albedo of 1.
+static void pixels_without_samples_have_light_on_their_own_albedo(void **state) {
+    (void)state;
+    static char some;
+    struct render r = render_denoise_new();
+    r.second_pass.shade.records.cache = (struct cache *)&some;
+    r.image->filled = true;
+    for (int i = 0; i < PIXELS; i++) {
+        const bool sampled = i % 2 == 0 && i / WIDTH % 2 == 0;
+        const float albedo = i / WIDTH % 4 ? 0.25f : 0.5f;
+        r.image->uncached[i].features.albedo = rgb_grey(sampled ? albedo : 1.0f);
+        r.image->uncached[i].weight = 1.0f;
+        if (!sampled) continue;
+        r.image->pixel[i].samples = 1;
+        r.image->pixel[i].weight = 1.0f;
+        r.image->pixel[i].beauty = rgb_grey(2.0f * albedo);
+    }
+    render_denoise_run(&r);
+    double mean = 0.0;
+    for (int i = 0; i < PIXELS; i++) {
+        const bool sampled = i % 2 == 0 && i / WIDTH % 2 == 0;
+        const float light = !sampled ? 2.0f : i / WIDTH % 4 ? 0.5f : 1.0f;
+        assert_true(fabsf(r.image->noisy.light[i].r - light) < 1e-5f);
+        assert_true(r.image->noisy.albedo[i].r == r.image->uncached[i].features.albedo.r);
+        mean += (double)light / PIXELS;
+    }
+    const float *red = film_channel(r.image->film, "R");
+    for (int i = 0; i < PIXELS; i++) assert_true(fabs((double)red[i] - mean) < 1e-4);
+    render_denoise_stop(&r);
+}
+
 int main(void) {
     setenv("SATIN_OIDN", getenv("FAKE_OIDN_LIBRARY"), 1);
     const struct CMUnitTest tests[] = {
@@ -155,6 +187,7 @@ int main(void) {
         cmocka_unit_test(noise_explains_a_part_of_a_change),
         cmocka_unit_test(one_bright_pixel_does_not_keep_the_noise_around),
         cmocka_unit_test(of_single_samples_the_noise_is_not_known),
-        cmocka_unit_test(without_a_cache_the_rest_is_left)};
+        cmocka_unit_test(without_a_cache_the_rest_is_left),
+        cmocka_unit_test(pixels_without_samples_have_light_on_their_own_albedo)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
