@@ -143,16 +143,15 @@ static void log_unused(void *user, satin_log_severity severity, const char *mess
         log_message(*to, severity, "%s", message);
 }
 
-// Until end_unused, errors are logged as warnings. Returns the log for these.
-static struct log begin_unused(struct load_state *loader) {
+// Until end_unused, errors are logged as warnings.
+static void begin_unused(struct load_state *loader) {
     loader->used_log = loader->log;
     loader->log = (struct log){log_unused, &loader->used_log};
-    return loader->used_log;
 }
 
 // Returns `status`, or SATIN_OK if it is that of an error in the scene.
-static satin_status end_unused(struct load_state *loader, struct log log, satin_status status) {
-    loader->log = log;
+static satin_status end_unused(struct load_state *loader, satin_status status) {
+    loader->log = loader->used_log;
     return status == SATIN_ERROR_MEMORY ? status : SATIN_OK;
 }
 
@@ -163,8 +162,8 @@ static satin_status build_sensor(struct load_state *loader, struct xml_node *nod
         log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
     if (left_unread(loader, node)) return SATIN_OK;
     struct params p;
-    const struct log log = begin_unused(loader);
-    return end_unused(loader, log, load_params(loader, node, &p));
+    begin_unused(loader);
+    return end_unused(loader, load_params(loader, node, &p));
 }
 
 static bool same_window(const struct scene_film *a, const struct scene_film *b) {
@@ -252,13 +251,13 @@ static satin_status check_unused(struct load_state *loader) {
     for (struct xml_node *node = loader->xml.root->child; node; node = node->next) {
         struct material material;
         const struct texture *texture;
-        const struct log log = begin_unused(loader);
         satin_status status = SATIN_OK;
+        begin_unused(loader);
         if (node->tag == XML_BSDF && !node->material && !left_unread(loader, node))
             status = load_material_build(loader, node, &material);
         if (node->tag == XML_TEXTURE && !node->texture)
             status = load_texture_of(loader, node, &texture);
-        status = end_unused(loader, log, status);
+        status = end_unused(loader, status);
         if (status != SATIN_OK) return status;
     }
     return SATIN_OK;

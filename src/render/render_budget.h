@@ -92,12 +92,11 @@ struct photon_paths render_budget_paths(const satin_options *options, double cor
 struct guide_visibility_samples render_budget_visibility(const satin_options *options,
                                                          double core_seconds);
 // The number of light samples at each entry of irradiance, where those of a render without a time
-// limit would take `seconds` at all entries. With 4, means of single images were .5 %
-// off in a room lit through a door; 16 gain nothing. Where the environment is drawn by what is
-// visible, the few samples that are not are many times as bright, and gloss shows the entry that
-// meets one as a bright disc: in living-room, with 33 times, 8, 16, 32, 64 and 128 samples leave
-// 69, 50, 18, 2 and 0 of 3,700 entries that are read with more than six times the light around
-// them.
+// limit would take `seconds` at all entries. With 4, means of single images were .5 % off in a room
+// lit through a door; 16 gain nothing. Where the environment is drawn by what is visible, the few
+// samples that are not are many times as bright, and gloss shows the entry that meets one as a
+// bright disc: in living-room, with 33 times, 8, 16, 32, 64 and 128 samples leave 69, 50, 18, 2 and
+// 0 of 3,700 entries that are read with more than six times the light around them.
 struct gather_entry_samples render_budget_entry_samples(const struct render *r, double seconds);
 // The seconds that these take.
 double render_budget_direct(const struct render *r, double seconds);
