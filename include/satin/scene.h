@@ -33,9 +33,9 @@ SATIN_API satin_status satin_scene_load(const char *path, const satin_define *de
 // Flags for loading a scene.
 enum satin_scene_flags {
     SATIN_SCENE_STRICT = 1,  // warnings are errors, of which there may be several
-    // Missing files and unknown plugins give a warning each: their shapes and lights are left out,
-    // and their textures and BRDFs are grey. An unknown BRDF that contains another one is replaced
-    // by it.
+    // Missing and damaged files, unknown plugins, names and ids give a warning each: their shapes
+    // and lights are left out, their textures and BRDFs are grey, and their numbers the default. An
+    // unknown BRDF that contains another one is replaced by it.
     SATIN_SCENE_LENIENT = 2,
     // The scene file may be a pipe or a device such as /dev/stdin, which is read to its end. The
     // names in a file of the folder /dev are relative to the current folder.

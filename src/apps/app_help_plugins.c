@@ -90,8 +90,9 @@ void app_help_plugins_markdown(void) {
         "# Plugins of scene files\n\n"
         "These are the plugins that a scene file may hold, by element;\n"
         "[language.md](language.md) describes the rest of the language. Plugins of Mitsuba 3 have\n"
-        "the names and parameters that they have there. Any other plugin or parameter is an\n"
-        "error, which is reported with its line.\n"
+        "the names and parameters that they have there. Any other plugin is an error\n"
+        "with its line, unless the image can be made without it, which is a warning; so are\n"
+        "parameters that are no slip of a known one.\n"
         "\nThis page is printed by `satin help plugins --markdown`. `satin help NAME` prints one\n"
         "plugin.\n");
     for (int i = 0; load_plugin_describe(i, &plugin); i++) {

@@ -75,7 +75,8 @@ const struct app_flag app_render_flags[] = {
     {"--compression", NULL, "zip|zips|piz|rle|none", "How the OpenEXR file is compressed."},
     {"--strict", NULL, NULL, "Treats warnings about the scene as errors."},
     {"--lenient", NULL, NULL,
-     "Renders a scene with missing files or unknown plugins, which are left out or become grey."},
+     "Renders a scene with missing or damaged files, unknown plugins or names, without them or "
+     "grey."},
     {"--quiet", "-q", NULL, "Prints errors only."},
     {"--help", "-h", NULL, "Prints this."},
     {"--quality", NULL, "draft|preview|production", "Preset; single options override it."},

@@ -74,3 +74,15 @@ satin_status log_fail(struct log log, satin_status status, const char *format, .
     va_end(args);
     return status;
 }
+
+static void pass_on(void *user, satin_log_severity severity, const char *message) {
+    const struct log_spared *spared = user;
+    if (severity == SATIN_LOG_ERROR)
+        log_message(spared->errors, SATIN_LOG_WARNING, "%s; %s", message, spared->instead);
+    else
+        log_message(spared->others, severity, "%s", message);
+}
+
+struct log log_spare(struct log_spared *spared) {
+    return (struct log){pass_on, spared};
+}

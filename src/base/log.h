@@ -42,4 +42,14 @@ void log_warning_at(struct log log, struct log_place place, const char *format, 
 satin_status log_fail(struct log log, satin_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+// Where messages go about what is left out: errors in it are warnings.
+struct log_spared {
+    struct log others, errors;
+    const char *instead;  // what is done, which follows each error
+};
+
+// A log that passes errors on to `errors` as warnings, and other messages to `others`. *spared must
+// be valid as long as the log.
+struct log log_spare(struct log_spared *spared);
+
 #endif

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/fileio.h"
 #include "base/text.h"
@@ -31,7 +30,8 @@ const char *load_keep_text(struct load_state *loader, const char *text) {
 satin_status load_params(struct load_state *loader, struct xml_node *node, struct params *out) {
     const struct plugin_spec *plugin = load_plugin_find(loader->log, node);
     if (!plugin) return SATIN_ERROR_INPUT;
-    struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->world, loader->lenient,
+                                  loader->each};
     const satin_status status = load_params_read(source, plugin, node, out);
     return status == SATIN_OK ? load_pose_apply(loader, out) : status;
 }
@@ -53,27 +53,6 @@ satin_status load_file_source(struct load_state *loader, const struct param_valu
     *out = (struct load_source){loader->log, name->place, &loader->scene->arena, path,
                                 &loader->scene->world};
     return SATIN_OK;
-}
-
-// ---- Lenience -----------------------------------------------------------------------------------
-
-bool load_left_out(struct load_state *loader, const struct xml_node *node, const char *instead) {
-    if (!loader->lenient || load_plugin_find((struct log){0}, node)) return false;
-    log_warning_at(loader->each, node->place, "unknown %s '%s': %s", load_plugin_noun(node->tag),
-                   node->type, instead);
-    return true;
-}
-
-bool load_file_missing(struct load_state *loader, const struct params *p, const char *instead) {
-    if (!loader->lenient || !load_params_has(p, "filename") || !load_param(p, "filename")->given)
-        return false;
-    const struct param_value *name = load_param(p, "filename");
-    struct load_source source = {.path = NULL};
-    if (load_file_source(loader, name, &source) != SATIN_OK || !source.path) return false;
-    const bool missing = access(source.path, F_OK) != 0;
-    free((char *)source.path);
-    if (missing) log_warning_at(loader->each, name->place, "'%s' is missing: %s", name->s, instead);
-    return missing;
 }
 
 // ---- The elements of <scene> --------------------------------------------------------------------
@@ -134,27 +113,6 @@ static bool left_unread(const struct load_state *loader, const struct xml_node *
     return true;
 }
 
-// What is wrong with an object that is not used does not change the image.
-static void log_unused(void *user, satin_log_severity severity, const char *message) {
-    const struct log *to = user;
-    if (severity == SATIN_LOG_ERROR)
-        log_message(*to, SATIN_LOG_WARNING, "%s; it is not used", message);
-    else
-        log_message(*to, severity, "%s", message);
-}
-
-// Until end_unused, errors are logged as warnings.
-static void begin_unused(struct load_state *loader) {
-    loader->used_log = loader->log;
-    loader->log = (struct log){log_unused, &loader->used_log};
-}
-
-// Returns `status`, or SATIN_OK if it is that of an error in the scene.
-static satin_status end_unused(struct load_state *loader, satin_status status) {
-    loader->log = loader->used_log;
-    return status == SATIN_ERROR_MEMORY ? status : SATIN_OK;
-}
-
 static satin_status build_sensor(struct load_state *loader, struct xml_node *node,
                                  const struct xml_node *used) {
     if (node == used) return load_sensor(loader, node);
@@ -162,8 +120,11 @@ static satin_status build_sensor(struct load_state *loader, struct xml_node *nod
         log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
     if (left_unread(loader, node)) return SATIN_OK;
     struct params p;
-    begin_unused(loader);
-    return end_unused(loader, load_params(loader, node, &p));
+    struct load_spared unused;
+    load_spare_unused(loader, &unused);
+    satin_status status = load_params(loader, node, &p);
+    load_spare_end(loader, &unused, &status);
+    return status;
 }
 
 static bool same_window(const struct scene_film *a, const struct scene_film *b) {
@@ -202,15 +163,19 @@ static satin_status build_all_sensors(struct load_state *loader, const struct xm
     return SATIN_OK;
 }
 
-// Builds shapes, lights, camera and integrator. Materials and textures are built when they are
-// referred to.
+static bool is_group(const struct xml_node *node) {
+    return node->tag == XML_SHAPE && node->type && strcmp(node->type, "shapegroup") == 0;
+}
+
+// Builds shapes, lights, camera and integrator. Materials, textures and groups of shapes are built
+// when they are referred to.
 static satin_status build_objects(struct load_state *loader) {
     const struct xml_node *sensor;
     int32_t light;
     satin_status status = find_sensor(loader, &sensor) ? SATIN_OK : SATIN_ERROR_INPUT;
     for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
          node = node->next) {
-        if (node->tag == XML_SHAPE) status = load_shape_add(loader, node);
+        if (node->tag == XML_SHAPE && !is_group(node)) status = load_shape_add(loader, node);
         if (node->tag == XML_EMITTER) status = load_emitter_add(loader, node, NULL, &light);
         if (node->tag == XML_SENSOR && !loader->all_sensors)
             status = build_sensor(loader, node, sensor);
@@ -245,19 +210,26 @@ static void report_misplaced(struct load_state *loader) {
     }
 }
 
-// Builds and drops the materials and textures that nothing refers to, so that errors in them are
-// reported, as warnings.
+// Builds and drops the materials, textures and groups of shapes that nothing refers to, so that
+// errors in them are reported, as warnings.
 static satin_status check_unused(struct load_state *loader) {
     for (struct xml_node *node = loader->xml.root->child; node; node = node->next) {
         struct material material;
+        struct load_spared unused;
         const struct texture *texture;
         satin_status status = SATIN_OK;
-        begin_unused(loader);
+        load_spare_unused(loader, &unused);
         if (node->tag == XML_BSDF && !node->material && !left_unread(loader, node))
             status = load_material_build(loader, node, &material);
         if (node->tag == XML_TEXTURE && !node->texture)
             status = load_texture_of(loader, node, &texture);
-        status = end_unused(loader, status);
+        if (is_group(node) && !node->group) {
+            const size_t shapes = loader->shape_count, groups = loader->group_count;
+            status = load_shape_add(loader, node);
+            loader->shape_count = shapes;
+            loader->group_count = groups;
+        }
+        load_spare_end(loader, &unused, &status);
         if (status != SATIN_OK) return status;
     }
     return SATIN_OK;
@@ -323,7 +295,8 @@ static uint64_t hash_world(uint64_t hash, const struct xml_node *node) {
 
 static satin_status load_all(struct load_state *loader) {
     struct params p;
-    struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->world, loader->lenient,
+                                  loader->each};
     satin_status status = load_params_read(source, &scene_spec, loader->xml.root, &p);
     if (status == SATIN_OK) status = build_objects(loader);
     if (status == SATIN_OK) status = check_unused(loader);
@@ -386,8 +359,7 @@ static satin_status read_scene_file(struct load_state *loader, const satin_scene
     scene->environment = -1;
     scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
     const satin_status status =
-        load_xml_read(loader->log, loader->path, (request->flags & SATIN_SCENE_STREAM) != 0,
-                      request->defines, request->define_count, &scene->hash, &loader->xml);
+        load_xml_read(loader->log, loader->each, loader->path, request, &scene->hash, &loader->xml);
     // The contents of further files are added to the world's hash when they are read.
     if (status == SATIN_OK)
         scene->world = load_poses_hash(loader, hash_world(FILEIO_HASH, loader->xml.root));

@@ -62,11 +62,15 @@ struct mesh_request {
     int shape_index;       // serialized: index of the mesh in the file
     bool linear_colors;    // PLY: LOAD_VERTEX_COLORS are linear, not sRGB
     struct attribute_names attributes;  // to be kept if the file has them
+    const char *const *material;        // OBJ: names of materials, each once; their faces are
+    size_t material_count;              // meshes of their own
 };
 
 // Reads a mesh and transforms it to world space. If the file has no normals, smooth ones are
 // computed as in Mitsuba 3, unless face_normals. Mirroring transforms keep the front side, as in
 // Mitsuba. Positions must be finite and indices in range, else SATIN_ERROR_INPUT.
+// An OBJ is one mesh for each material of the request, without triangles if no face has it, and a
+// last one for all other faces: `out` is an array.
 satin_status load_mesh_obj(const struct load_source *source, const struct mesh_request *request,
                            struct mesh *out);
 satin_status load_mesh_ply(const struct load_source *source, const struct mesh_request *request,

@@ -55,7 +55,11 @@ static satin_status read_spectrum_file(struct param_source source, const struct 
     if (!path)
         return log_fail(source.log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
                         node->place.file);
-    satin_status status = load_spectrum_read(source.log, node->place, path, source.hash, out);
+    struct log_spared spared = {source.log, source.each, "it is .5 everywhere"};
+    satin_status status = load_spectrum_read(source.lenient ? log_spare(&spared) : source.log,
+                                             node->place, path, source.hash, out);
+    if (status == SATIN_ERROR_INPUT && source.lenient)
+        status = load_spectrum_parse(source.log, node->place, "300:.5 900:.5", out);
     if (status == SATIN_OK && !fileio_files_add(source.xml->read, path)) {
         scene_spectrum_free(out);
         status = log_fail(source.log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);

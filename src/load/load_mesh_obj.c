@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads Wavefront OBJ: v, vt, vn and f. Groups, materials and everything else are ignored, so that
-// a file is one mesh. Polygons become fans of triangles. A vertex is a distinct triple of position,
-// texture coordinate and normal, as in Mitsuba, so that normals that are computed are not smooth
-// across seams of texture coordinates.
+// Reads Wavefront OBJ: v, vt, vn, f and, if the request names materials, usemtl. Groups and
+// everything else are ignored, so that a file is one mesh per material. Polygons become fans of
+// triangles. A vertex is a distinct triple of position, texture coordinate and normal, as in
+// Mitsuba, so that normals that are computed are not smooth across seams of texture coordinates.
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,12 +23,15 @@ struct floats {
 
 struct obj {
     const struct load_source *source;
+    const struct mesh_request *request;
     struct mesh_text text;
     struct floats position, uv, normal;  // as in the file: 3, 2 and 3 per item
     struct obj_corner *corner;           // the vertices of the mesh, in order of first use
     size_t corner_count, corner_capacity;
     uint32_t *index;
     size_t index_count, index_capacity;
+    size_t *material;  // of each triangle, if the request has materials: index, or their number
+    size_t material_capacity, current_material;
     uint32_t *slot;  // hash table of corners: vertex + 1, or 0 if empty; its size is a power of two
     size_t slot_count;
 };
@@ -39,6 +42,7 @@ static void obj_free(struct obj *obj) {
     free(obj->normal.value);
     free(obj->corner);
     free(obj->index);
+    free(obj->material);
     free(obj->slot);
 }
 
@@ -151,6 +155,13 @@ static satin_status add_obj_triangle(struct obj *obj, uint32_t a, uint32_t b, ui
     if (!array_reserve((void **)&obj->index, &obj->index_capacity, obj->index_count + 3,
                        sizeof *obj->index))
         return load_mesh_no_memory(obj->source);
+    const size_t triangle = obj->index_count / 3;
+    if (obj->request->material_count) {
+        if (!array_reserve((void **)&obj->material, &obj->material_capacity, triangle + 1,
+                           sizeof *obj->material))
+            return load_mesh_no_memory(obj->source);
+        obj->material[triangle] = obj->current_material;
+    }
     obj->index[obj->index_count++] = a;
     obj->index[obj->index_count++] = b;
     obj->index[obj->index_count++] = c;
@@ -175,6 +186,19 @@ static satin_status read_face(struct obj *obj) {
 
 // ---- The file -----------------------------------------------------------------------------------
 
+// Reads the name of a material, which may have blanks in it, to the end of the line.
+static void read_usemtl(struct obj *obj) {
+    load_mesh_text_skip_blanks(&obj->text);
+    const char *name = obj->text.at, *end = name;
+    while (end < obj->text.end && *end != '\n') end++;
+    while (end > name && strchr(" \t\r", end[-1])) end--;
+    size_t i = 0;
+    while (i < obj->request->material_count &&
+           !load_mesh_text_is(name, (size_t)(end - name), obj->request->material[i]))
+        i++;
+    obj->current_material = i;
+}
+
 static satin_status read_obj_lines(struct obj *obj) {
     for (; obj->text.at < obj->text.end; load_mesh_text_next_line(&obj->text)) {
         const char *word;
@@ -189,35 +213,77 @@ static satin_status read_obj_lines(struct obj *obj) {
             status = read_obj_item(obj, &obj->normal, 3, 3);
         else if (load_mesh_text_is(word, length, "f"))
             status = read_face(obj);
+        else if (load_mesh_text_is(word, length, "usemtl"))
+            read_usemtl(obj);
         if (status != SATIN_OK) return status;
     }
     return SATIN_OK;
 }
 
-static satin_status assemble_obj(const struct obj *obj, struct raw_mesh *out) {
+// The triangles of a material, in the order of the file: all, if the request has no materials.
+// `vertex` is the index in the mesh + 1 for each corner that they use, else 0.
+struct obj_selection {
+    uint32_t *index, *vertex;
+    size_t index_count, vertex_count;
+};
+
+static bool select_triangles(const struct obj *obj, size_t material, struct obj_selection *out) {
+    out->index = malloc(obj->index_count * sizeof *out->index);
+    out->vertex = calloc(obj->corner_count, sizeof *out->vertex);
+    if (!out->index || !out->vertex) return false;
+    for (size_t i = 0; i < obj->index_count; i++) {
+        if (obj->material && obj->material[i / 3] != material) continue;
+        uint32_t *vertex = &out->vertex[obj->index[i]];
+        if (!*vertex) *vertex = (uint32_t)++out->vertex_count;
+        out->index[out->index_count++] = *vertex - 1;
+    }
+    return true;
+}
+
+static satin_status assemble_obj(const struct obj *obj, const struct obj_selection *selection,
+                                 struct raw_mesh *out) {
     bool normals = false, uvs = false;
     for (size_t i = 0; i < obj->corner_count; i++) {
-        normals = normals || obj->corner[i].normal >= 0;
-        uvs = uvs || obj->corner[i].uv >= 0;
+        normals = normals || (selection->vertex[i] && obj->corner[i].normal >= 0);
+        uvs = uvs || (selection->vertex[i] && obj->corner[i].uv >= 0);
     }
-    struct raw_mesh raw;
     satin_status status =
-        load_mesh_allocate(obj->source, (uint32_t)obj->corner_count, normals, uvs, &raw);
+        load_mesh_allocate(obj->source, (uint32_t)selection->vertex_count, normals, uvs, out);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < obj->corner_count; i++) {
-        struct obj_corner c = obj->corner[i];
-        memcpy(raw.position + i * 3, obj->position.value + (size_t)c.position * 3,
+        const struct obj_corner c = obj->corner[i];
+        if (!selection->vertex[i]) continue;
+        const size_t to = selection->vertex[i] - 1;
+        memcpy(out->position + to * 3, obj->position.value + (size_t)c.position * 3,
                3 * sizeof(float));
-        if (c.uv >= 0) memcpy(raw.uv + i * 2, obj->uv.value + (size_t)c.uv * 2, 2 * sizeof(float));
+        if (c.uv >= 0)
+            memcpy(out->uv + to * 2, obj->uv.value + (size_t)c.uv * 2, 2 * sizeof(float));
         if (c.normal >= 0)
-            memcpy(raw.normal + i * 3, obj->normal.value + (size_t)c.normal * 3, 3 * sizeof(float));
+            memcpy(out->normal + to * 3, obj->normal.value + (size_t)c.normal * 3,
+                   3 * sizeof(float));
     }
-    raw.triangle_count = (uint32_t)(obj->index_count / 3);
-    raw.index = arena_array(obj->source->arena, obj->index_count, sizeof(uint32_t));
-    if (!raw.index) return load_mesh_no_memory(obj->source);
-    memcpy(raw.index, obj->index, obj->index_count * sizeof(uint32_t));
-    *out = raw;
+    out->triangle_count = (uint32_t)(selection->index_count / 3);
+    out->index = arena_array(obj->source->arena, selection->index_count, sizeof(uint32_t));
+    if (!out->index) return load_mesh_no_memory(obj->source);
+    memcpy(out->index, selection->index, selection->index_count * sizeof(uint32_t));
     return SATIN_OK;
+}
+
+// Makes the mesh of a material.
+static satin_status finish_obj(const struct obj *obj, size_t material, struct mesh *out) {
+    struct obj_selection selection = {0};
+    struct raw_mesh raw;
+    satin_status status = SATIN_OK;
+    *out = (struct mesh){0};
+    if (!select_triangles(obj, material, &selection))
+        status = load_mesh_no_memory(obj->source);
+    else if (selection.index_count)
+        status = assemble_obj(obj, &selection, &raw);
+    if (status == SATIN_OK && selection.index_count)
+        status = load_mesh_finish(obj->source, obj->request, &raw, out);
+    free(selection.index);
+    free(selection.vertex);
+    return status;
 }
 
 satin_status load_mesh_obj(const struct load_source *source, const struct mesh_request *request,
@@ -226,13 +292,16 @@ satin_status load_mesh_obj(const struct load_source *source, const struct mesh_r
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    struct obj obj = {.source = source, .text = {data, data + size, 1}};
-    struct raw_mesh raw;
+    struct obj obj = {.source = source,
+                      .request = request,
+                      .text = {data, data + size, 1},
+                      .current_material = request->material_count};
     status = read_obj_lines(&obj);
     if (status == SATIN_OK && obj.index_count == 0)
         status = load_mesh_error(source, 0, "there is no face in it");
-    if (status == SATIN_OK) status = assemble_obj(&obj, &raw);
+    for (size_t i = 0; i <= request->material_count && status == SATIN_OK; i++)
+        status = finish_obj(&obj, i, &out[i]);
     obj_free(&obj);
     free(data);
-    return status == SATIN_OK ? load_mesh_finish(source, request, &raw, out) : status;
+    return status;
 }

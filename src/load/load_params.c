@@ -118,6 +118,15 @@ static void list_tags(unsigned accepted, char text[TAG_LIST]) {
     }
 }
 
+// Reads an index of refraction by its name. If that is unknown, the parameter is not given.
+static satin_status read_known_ior(struct param_source source, const struct param_spec *spec,
+                                   struct xml_node *node, struct param_value *value) {
+    struct log_spared unknown = {source.log, source.each, "it has the default"};
+    source.log = log_spare(&unknown);
+    value->given = load_param_read(source, spec, node, value) == SATIN_OK;
+    return SATIN_OK;
+}
+
 // Reads a child that gives a value, or that (`child`) refers to one (`target`).
 static satin_status read_child(struct param_source source, struct params *out,
                                const struct xml_node *child, struct xml_node *target) {
@@ -150,6 +159,8 @@ static satin_status read_child(struct param_source source, struct params *out,
     }
     value->given = true;
     value->place = child->place;
+    if (source.lenient && spec->kind == PARAM_IOR && target->tag == XML_STRING)
+        return read_known_ior(source, spec, target, value);
     return load_param_read(source, spec, target, value);
 }
 
@@ -157,7 +168,10 @@ satin_status load_params_read(struct param_source source, const struct plugin_sp
                               struct xml_node *node, struct params *out) {
     *out = (struct params){.plugin = plugin, .node = node};
     for (struct xml_node *child = node->child; child; child = child->next) {
-        struct xml_node *target = load_xml_target(source.xml, source.log, child);
+        struct log_spared missing = {source.log, source.each, "it is left out"};
+        struct xml_node *target =
+            load_xml_target(source.xml, source.lenient ? log_spare(&missing) : source.log, child);
+        if (!target && source.lenient) continue;
         if (!target) return SATIN_ERROR_INPUT;
         if (target->tag == XML_UNREAD) {
             log_warning_at(source.log, child->place,

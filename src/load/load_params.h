@@ -98,6 +98,8 @@ struct param_source {
     struct log log;
     const struct load_xml *xml;
     uint64_t *hash;  // continued over the files of spectra; may be NULL
+    bool lenient;    // what is missing or unknown is left out, with a warning in the log `each`
+    struct log each;
 };
 
 // Reads all parameters of an element. A parameter that is unknown, of another kind, given twice,

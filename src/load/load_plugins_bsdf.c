@@ -268,10 +268,13 @@ static satin_status set_metal(struct load_state *loader, const struct params *p,
     }
     if (load_metal_find(material->s, &side->base.eta, &side->base.k)) return SATIN_OK;
     char list[512];
+    struct log_spared spared = {loader->log, loader->each, "it is a perfect mirror"};
     struct text_nearest nearest = {.word = material->s};
     for (int i = 0; load_metal_name(i); i++) text_nearest_try(&nearest, load_metal_name(i));
-    return load_value_unknown(loader->log, "material", material->place, &nearest,
-                              load_names_list(load_metal_name, list, sizeof list));
+    const satin_status status = load_value_unknown(
+        loader->lenient ? log_spare(&spared) : loader->log, "material", material->place, &nearest,
+        load_names_list(load_metal_name, list, sizeof list));
+    return loader->lenient ? SATIN_OK : status;
 }
 
 bool load_bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name,

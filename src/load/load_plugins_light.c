@@ -353,9 +353,11 @@ satin_status load_emitter_add(struct load_state *loader, struct xml_node *node,
     *index = -1;
     if (load_left_out(loader, node, "the light is left out")) return SATIN_OK;
     satin_status status = load_params(loader, node, &p);
-    if (status == SATIN_OK && load_file_missing(loader, &p, "the light is left out"))
-        return SATIN_OK;
-    if (status == SATIN_OK) status = p.plugin->build(loader, &p, &light);
+    if (status != SATIN_OK) return status;
+    struct load_spared spared;
+    load_spare_file(loader, &p, "the light is left out", &spared);
+    status = p.plugin->build(loader, &p, &light);
+    if (load_spare_end(loader, &spared, &status)) return SATIN_OK;
     if (status == SATIN_OK) status = check_parent(loader, &p, &light, parent);
     if (status == SATIN_OK) status = load_pose_dim(loader, node, &light);
     if (status == SATIN_OK && parent) status = load_pose_dim(loader, parent, &light);

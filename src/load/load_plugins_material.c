@@ -15,25 +15,6 @@ static satin_status material_error(struct load_state *loader, const struct param
     return SATIN_ERROR_INPUT;
 }
 
-// Builds the nested <bsdf>s, of which there must be `least` to `most`. *count is their number.
-static satin_status build_nested(struct load_state *loader, const struct params *p, int least,
-                                 int most, struct material *out, int *count) {
-    struct xml_node *at = NULL, *child;
-    int n = 0;
-    while ((child = load_params_child(&loader->xml, p->node, XML_BSDF, &at)) && n < most) {
-        satin_status status = load_material_build(loader, child, &out[n]);
-        if (status != SATIN_OK) return status;
-        n++;
-    }
-    *count = n;
-    if (n >= least && !child) return SATIN_OK;
-    return material_error(loader, p,
-                          most > 2       ? "takes 1 to 16 <bsdf>s"
-                          : least < most ? "takes one or two <bsdf>s"
-                          : most == 1    ? "takes one <bsdf>"
-                                         : "takes two <bsdf>s");
-}
-
 // The material of a shape without a <bsdf>. If the shape emits light, it is black, as in Mitsuba.
 static satin_status default_material(struct load_state *loader, bool emits, struct material *out) {
     *out = (struct material){.name = emits ? "black" : "default"};
@@ -44,6 +25,30 @@ static satin_status default_material(struct load_state *loader, bool emits, stru
         return load_no_memory(loader);
     out->back = out->front;
     return SATIN_OK;
+}
+
+// Builds the nested <bsdf>s, of which there must be `least` to `most`. *count is their number.
+static satin_status build_nested(struct load_state *loader, const struct params *p, int least,
+                                 int most, struct material *out, int *count) {
+    struct xml_node *at = NULL, *child;
+    int n = 0;
+    while ((child = load_params_child(&loader->xml, p->node, XML_BSDF, &at)) && n < most) {
+        satin_status status = load_material_build(loader, child, &out[n]);
+        if (status != SATIN_OK) return status;
+        n++;
+    }
+    // Each <ref> that leads nowhere is a grey one.
+    for (; loader->lenient && n < least; n++) {
+        satin_status status = default_material(loader, false, &out[n]);
+        if (status != SATIN_OK) return status;
+    }
+    *count = n;
+    if (n >= least && !child) return SATIN_OK;
+    return material_error(loader, p,
+                          most > 2       ? "takes 1 to 16 <bsdf>s"
+                          : least < most ? "takes one or two <bsdf>s"
+                          : most == 1    ? "takes one <bsdf>"
+                                         : "takes two <bsdf>s");
 }
 
 // ---- Trees of sides -----------------------------------------------------------------------------
@@ -410,12 +415,14 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
         return build_stand_in(loader, node, out);
     satin_status status = load_params(loader, node, &p);
     if (status != SATIN_OK) return status;
-    if (load_file_missing(loader, &p, "the BRDF is grey")) return build_stand_in(loader, node, out);
     if (loader->bsdf_depth == BSDF_DEPTH_MAX)
         return material_error(loader, &p, "contains itself, or over 32 BRDFs in each other");
+    struct load_spared spared;
+    load_spare_file(loader, &p, "the BRDF is grey", &spared);
     loader->bsdf_depth++;
     status = build_any(loader, &p, out);
     loader->bsdf_depth--;
+    if (load_spare_end(loader, &spared, &status)) return build_stand_in(loader, node, out);
     if (status == SATIN_OK) scene_material_visit(out, find_filtered, &out->filtered);
     if (status == SATIN_OK &&
         !(out->name = load_keep_text(loader, node->id ? node->id : p.plugin->name)))

@@ -5,13 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/array.h"
-#include "load/load_attribute.h"
 #include "load/load_plugins_shape.h"
 #include "load/load_state.h"
-
-// The least area of an emitter: the cube of its size is in the range of float.
-#define EMITTER_AREA_MIN 1e-24f
 
 const struct param_spec load_shape_to_world = {"to_world",
                                                PARAM_TRANSFORM,
@@ -98,8 +93,6 @@ static const struct param_spec axis_start = {
 static const struct param_spec axis_end = {
     "p1", PARAM_POINT, "0 0 1", 0, 0, NULL, "The end of the axis in object space."};
 
-enum { SHAPES_MAX = 1 << 20 };  // each shape takes some kilobytes, whatever it is
-
 typedef const struct param_spec *const param_list[];
 static param_list obj_params = {&mesh_file,           &face_normals,
                                 &smooth_angle,        &flip_v,
@@ -153,12 +146,11 @@ static struct mesh_request request_of(const struct params *p) {
                                  .face_normals = load_param(p, "face_normals")->b};
 }
 
-static satin_status read_shape_mesh(struct load_state *loader, const struct params *p,
-                                    struct shape *shape, int index, mesh_reader read) {
-    struct mesh_request request = request_of(p);
+static satin_status read_meshes(struct load_state *loader, const struct params *p,
+                                struct mesh_request request, mesh_reader read, struct shape *shape,
+                                struct mesh *out) {
     request.attributes = loader->wanted;
     request.flip_tex_coords = load_param(p, "flip_tex_coords")->b;
-    request.shape_index = index;
     request.linear_colors = load_params_has(p, "srgb") && !load_param(p, "srgb")->b;
     const struct param_value *angle = load_param(p, "max_smooth_angle");
     if (angle->given && angle->f <= 180.0f) request.smooth_angle = angle->f;
@@ -169,24 +161,37 @@ static satin_status read_shape_mesh(struct load_state *loader, const struct para
     struct load_source source;
     satin_status status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
-    status = read(&source, &request, &shape->mesh);
+    status = read(&source, &request, out);
     free((char *)source.path);
     shape->face_normals = request.face_normals;
     return status;
 }
 
+satin_status load_shape_obj(struct load_state *loader, const struct params *p,
+                            const char *const *material, size_t count, struct shape *shape,
+                            struct mesh *out) {
+    struct mesh_request request = request_of(p);
+    request.material = material;
+    request.material_count = count;
+    return read_meshes(loader, p, request, load_mesh_obj, shape, out);
+}
+
 static satin_status build_obj(struct load_state *loader, const struct params *p, void *object) {
-    return read_shape_mesh(loader, p, object, 0, load_mesh_obj);
+    struct shape *shape = object;
+    return load_shape_obj(loader, p, NULL, 0, shape, &shape->mesh);
 }
 
 static satin_status build_ply(struct load_state *loader, const struct params *p, void *object) {
-    return read_shape_mesh(loader, p, object, 0, load_mesh_ply);
+    struct shape *shape = object;
+    return read_meshes(loader, p, request_of(p), load_mesh_ply, shape, &shape->mesh);
 }
 
 static satin_status build_serialized(struct load_state *loader, const struct params *p,
                                      void *object) {
-    return read_shape_mesh(loader, p, object, load_param(p, "shape_index")->i,
-                           load_mesh_serialized);
+    struct shape *shape = object;
+    struct mesh_request request = request_of(p);
+    request.shape_index = load_param(p, "shape_index")->i;
+    return read_meshes(loader, p, request, load_mesh_serialized, shape, &shape->mesh);
 }
 
 static satin_status make_mesh(struct load_state *loader, const struct params *p,
@@ -277,7 +282,8 @@ static satin_status build_line(struct load_state *loader, const struct params *p
 }
 
 const struct plugin_spec load_shape_plugins[] = {
-    {XML_SHAPE, "obj", "a Wavefront OBJ mesh", obj_params, SHAPE_CHILDREN, build_obj, false},
+    {XML_SHAPE, "obj", "a Wavefront OBJ mesh, with a BRDF or one for each of its materials",
+     obj_params, SHAPE_CHILDREN, build_obj, false},
     {XML_SHAPE, "ply", "a PLY mesh, text or binary", ply_params, SHAPE_CHILDREN, build_ply, false},
     {XML_SHAPE, "serialized", "a mesh in Mitsuba's binary format", serialized_params,
      SHAPE_CHILDREN, build_serialized, false},
@@ -295,102 +301,3 @@ const struct plugin_spec load_shape_plugins[] = {
     {XML_SHAPE, "linearcurve", "round tubes along straight segments", curve_params, SHAPE_CHILDREN,
      build_line, false},
     {0}};
-
-// The only child of a tag, or NULL. A second one is an error.
-static satin_status only_child(struct load_state *loader, const struct params *p, enum xml_tag tag,
-                               struct xml_node **out) {
-    struct xml_node *at = NULL;
-    *out = load_params_child(&loader->xml, p->node, tag, &at);
-    if (!*out || !load_params_child(&loader->xml, p->node, tag, &at)) return SATIN_OK;
-    log_error_at(loader->log, at->place, "shape '%s' has two <%s>s", p->plugin->name,
-                 load_xml_tag_name(tag));
-    return SATIN_ERROR_INPUT;
-}
-
-const char *load_shape_name(struct load_state *loader, const struct xml_node *node,
-                            const char *plugin) {
-    char name[64];
-    if (node->id) return load_keep_text(loader, node->id);
-    snprintf(name, sizeof name, "%s-%llu", plugin, (unsigned long long)loader->shape_elements);
-    return load_keep_text(loader, name);
-}
-
-satin_status load_shape_reserve(struct load_state *loader, const struct params *p) {
-    if (loader->shape_count >= SHAPES_MAX)
-        return load_refuse(loader, p, "the scene has too many shapes");
-    void *items = loader->shape;
-    if (!array_reserve(&items, &loader->shape_capacity, loader->shape_count + 1,
-                       sizeof *loader->shape))
-        return load_no_memory(loader);
-    loader->shape = items;
-    return SATIN_OK;
-}
-
-// Collects the mesh attributes to which the shape's textures refer.
-static satin_status want_attributes(struct load_state *loader, const struct params *p,
-                                    const struct shape *shape) {
-    const struct texture *radiance = shape->light >= 0 ? loader->light[shape->light].texture : NULL;
-    loader->wanted.count = 0;
-    if (load_attribute_want_all(&loader->wanted, &loader->material[shape->material]) &&
-        load_attribute_want(&loader->wanted, radiance))
-        return SATIN_OK;
-    return load_refuse(loader, p, "its textures refer to more than 8 mesh attributes");
-}
-
-// Reads or makes the surface, with its attributes.
-static satin_status build_surface(struct load_state *loader, const struct params *p,
-                                  struct shape *shape) {
-    satin_status status = want_attributes(loader, p, shape);
-    if (status == SATIN_OK) status = p->plugin->build(loader, p, shape);
-    const char *missing = load_attribute_missing(&loader->wanted, &shape->mesh);
-    if (status != SATIN_OK || !missing) return status;
-    log_error_at(loader->log, p->node->place, "shape '%s' has no attribute '%s' for its texture",
-                 p->plugin->name, missing);
-    return SATIN_ERROR_INPUT;
-}
-
-satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
-    struct params p;
-    if (load_left_out(loader, node, "the shape is left out")) return SATIN_OK;
-    satin_status status = load_params(loader, node, &p);
-    if (status != SATIN_OK) return status;
-    if (load_file_missing(loader, &p, "the shape is left out")) return SATIN_OK;
-    // Nested references to shapes that add nothing could multiply without end.
-    if (loader->shape_elements++ == SHAPES_MAX)
-        return load_refuse(loader, &p, "the scene has too many shapes");
-    if (!p.plugin->build) return load_group_add(loader, &p);
-    struct xml_node *bsdf, *emitter;
-    status = only_child(loader, &p, XML_BSDF, &bsdf);
-    if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);
-    if (status != SATIN_OK) return status;
-    struct shape shape = {.has_id = node->id != NULL,
-                          .name = load_shape_name(loader, node, p.plugin->name),
-                          .flip_normals = load_param(&p, "flip_normals")->b,
-                          .group = loader->open_group,
-                          .light = -1};
-    if (!shape.name) return load_no_memory(loader);
-    if (emitter && shape.group) return load_refuse(loader, &p, "it cannot emit in a shapegroup");
-    status = load_shape_reserve(loader, &p);
-    if (status == SATIN_OK) status = load_material_of(loader, bsdf, emitter, &shape.material);
-    // The material is there, so that all materials have the same numbers in all frames.
-    if (status == SATIN_OK && load_pose_gone(loader, node)) return SATIN_OK;
-    if (status == SATIN_OK && emitter)
-        status = load_emitter_add(loader, emitter, node, &shape.light);
-    if (status == SATIN_OK) status = build_surface(loader, &p, &shape);
-    if (status != SATIN_OK) return status;
-    shape.area = scene_shape_area(&shape);
-    if (shape.kind == SHAPE_CURVES && emitter) return load_refuse(loader, &p, "curves cannot emit");
-    if (shape.kind == SHAPE_CURVES &&
-        scene_material_transmits(&loader->material[shape.material], true))
-        return load_refuse(loader, &p, "curves cannot transmit light");
-    bool flat = shape.kind == SHAPE_DISK || strcmp(p.plugin->name, "rectangle") == 0;
-    if (shape.light >= 0 && !flat && loader->light[shape.light].kind == LIGHT_BEAM)
-        return load_refuse(loader, &p, "a directionalarea emitter needs a rectangle or a disk");
-    if (shape.light >= 0 && !(shape.area >= EMITTER_AREA_MIN))
-        return load_refuse(loader, &p, "it emits but has no area");
-    if (shape.kind != SHAPE_CURVES && !(shape.area > 0.0f))
-        log_warning_at(loader->log, node->place, "shape '%s' has no area and is not seen",
-                       p.plugin->name);
-    loader->shape[loader->shape_count++] = shape;
-    return SATIN_OK;
-}

@@ -4,9 +4,16 @@
 #define LOAD_PLUGINS_SHAPE_H
 
 #include "load/load_params.h"
+#include "scene/scene.h"
 
 // Parameters that shapes have in common (load_plugins_shape.c).
 extern const struct param_spec load_shape_to_world, load_shape_flip_normals;
+
+// Reads the meshes of an OBJ's materials, and one of all other faces: count + 1. Sets whether the
+// shape has facets.
+satin_status load_shape_obj(struct load_state *loader, const struct params *p,
+                            const char *const *material, size_t count, struct shape *shape,
+                            struct mesh *out);
 
 // The elements that every shape takes.
 #define SHAPE_CHILDREN (1u << XML_BSDF | 1u << XML_EMITTER)

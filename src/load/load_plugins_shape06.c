@@ -139,13 +139,19 @@ static satin_status heights_of_texture(struct load_state *loader, const struct p
     bool left_out = load_left_out(loader, node, flat);
     satin_status status = left_out ? SATIN_OK : load_params(loader, node, &t);
     if (status != SATIN_OK) return status;
-    if (left_out || load_file_missing(loader, &t, flat)) {
+    const bool file = !left_out && strcmp(t.plugin->name, "bitmap") == 0;
+    if (file) {
+        struct load_spared spared;
+        load_spare_file(loader, &t, flat, &spared);
+        status = heights_of_file(loader, load_param(&t, "filename"), load_param(&t, "raw")->b, out);
+        left_out = load_spare_end(loader, &spared, &status);
+    }
+    if (left_out) {
         float *zero = arena_array_alone(&loader->scene->arena, 1, sizeof *zero);
         *out = (struct heights){1, 1, 1, zero, out->factor};
         return zero ? SATIN_OK : load_no_memory(loader);
     }
-    if (strcmp(t.plugin->name, "bitmap") == 0)
-        return heights_of_file(loader, load_param(&t, "filename"), load_param(&t, "raw")->b, out);
+    if (file) return status;
     if (strcmp(t.plugin->name, "scale") != 0) return heights_of_samples(loader, p, node, out);
     struct xml_node *inner;
     status = load_texture_nested(loader, &t, &inner);

@@ -363,11 +363,15 @@ static satin_status build_texture(struct load_state *loader, struct xml_node *no
     struct params p;
     bool left_out = load_left_out(loader, node, grey);
     satin_status status = left_out ? SATIN_OK : load_params(loader, node, &p);
-    if (status == SATIN_OK && (left_out || load_file_missing(loader, &p, grey))) {
-        *texture = (struct texture){.value = rgb_grey(0.5f), .mean = rgb_grey(0.5f)};
-        return SATIN_OK;
+    if (status != SATIN_OK) return status;
+    if (!left_out) {
+        struct load_spared spared;
+        load_spare_file(loader, &p, grey, &spared);
+        status = p.plugin->build(loader, &p, texture);
+        left_out = load_spare_end(loader, &spared, &status);
     }
-    return status == SATIN_OK ? p.plugin->build(loader, &p, texture) : status;
+    if (left_out) *texture = (struct texture){.value = rgb_grey(0.5f), .mean = rgb_grey(0.5f)};
+    return status;
 }
 
 satin_status load_texture_of(struct load_state *loader, struct xml_node *node,

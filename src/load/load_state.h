@@ -14,12 +14,11 @@ enum { TEXTURE_NESTING_MAX = 8 };
 
 struct load_state {
     struct log log;
-    struct log used_log;  // while what is not used is read: the log for all else
-    const char *path;     // of the main file
-    const char *sensor;   // the id or the index of the sensor to use; NULL: the first one
-    bool all_sensors;     // the cameras of all sensors are read, too
-    bool lenient;         // missing or unknown objects are left out, with a warning
-    struct log each;      // log for those warnings, which are not counted but passed on at once
+    const char *path;    // of the main file
+    const char *sensor;  // the id or the index of the sensor to use; NULL: the first one
+    bool all_sensors;    // the cameras of all sensors are read, too
+    bool lenient;        // missing or unknown objects are left out, with a warning
+    struct log each;     // log for those warnings, which are not counted but passed on at once
     struct load_xml xml;
     struct satin_scene *scene;  // the scene that is built; the arrays below become its arrays at
                                 // the end
@@ -72,10 +71,26 @@ satin_status load_poses_check(struct load_state *loader);
 satin_status load_file_source(struct load_state *loader, const struct param_value *name,
                               struct load_source *out);
 
-// Whether the loader is lenient and the element has an unknown type or names a missing file. If so,
-// logs that, and what is done `instead`.
+// ---- load_spare.c: things without which the image can be made
+// Whether the loader is lenient and the element has an unknown type. If so, logs that, and what is
+// done `instead`.
 bool load_left_out(struct load_state *loader, const struct xml_node *node, const char *instead);
-bool load_file_missing(struct load_state *loader, const struct params *p, const char *instead);
+
+// While such a thing is read, its errors are logged as warnings.
+struct load_spared {
+    bool used;  // else nothing is changed
+    struct log_spared log;
+};
+// Begins to read what the scene does not use.
+void load_spare_unused(struct load_state *loader, struct load_spared *spared);
+// Begins to read what an element with these parameters describes, if it has a file and the loader
+// is lenient. `instead` is what is done without it.
+void load_spare_file(struct load_state *loader, const struct params *p, const char *instead,
+                     struct load_spared *spared);
+// Ends either. Returns whether the thing is to be left out because of an error in the input, of
+// which *status then becomes SATIN_OK.
+bool load_spare_end(struct load_state *loader, const struct load_spared *spared,
+                    satin_status *status);
 
 // The texture of a textured parameter, built on its first use (load_plugins_texture.c).
 satin_status load_texture_of(struct load_state *loader, struct xml_node *node,
@@ -96,8 +111,7 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
 // node is the default for shapes that emit or do not.
 satin_status load_material_of(struct load_state *loader, struct xml_node *node, bool emits,
                               uint32_t *index);
-// Adds a shape with its material and light, or the shapes of which it consists
-// (load_plugins_shape.c).
+// Adds a shape with its material and light, or the shapes of which it consists (load_shape.c).
 satin_status load_shape_add(struct load_state *loader, struct xml_node *node);
 // The name of the last shape element that was begun: its id or, so that no two have one name, that
 // of its plugin and its number among all shapes. NULL if there is no memory.

@@ -19,7 +19,8 @@
 
 // State for reading the main file and its includes.
 struct xml_reader {
-    struct log log;
+    struct log log, each;
+    bool lenient;
     struct load_xml *xml;
     struct load_defines defines;
     uint64_t *hash;
@@ -394,10 +395,13 @@ static satin_status read_xml_file(struct xml_reader *reader, const struct file *
                                   struct log_place place, const char *path, const char *name) {
     char *data = NULL;
     size_t size = 0;
-    satin_status status =
-        !parent && reader->xml->stream
-            ? fileio_read_stream(reader->log, place, path, LOAD_XML_MAX, &data, &size)
-            : fileio_read(reader->log, place, path, LOAD_XML_MAX, &data, &size);
+    const bool spared = parent && reader->lenient;
+    struct log_spared missing = {reader->log, reader->each, "it is left out"};
+    struct log log = spared ? log_spare(&missing) : reader->log;
+    satin_status status = !parent && reader->xml->stream
+                              ? fileio_read_stream(log, place, path, LOAD_XML_MAX, &data, &size)
+                              : fileio_read(log, place, path, LOAD_XML_MAX, &data, &size);
+    if (status == SATIN_ERROR_INPUT && spared) return SATIN_OK;
     if (status != SATIN_OK) return reader->status = status;
     if (!fileio_files_add(reader->xml->read, path)) {
         free(data);
@@ -443,15 +447,20 @@ static satin_status check_defines(const struct xml_reader *reader, const char *p
     return SATIN_OK;
 }
 
-satin_status load_xml_read(struct log log, const char *path, bool stream,
-                           const satin_define *defines, size_t define_count, uint64_t *hash,
+satin_status load_xml_read(struct log log, struct log each, const char *path,
+                           const satin_scene_request *request, uint64_t *hash,
                            struct load_xml *out) {
-    struct load_xml xml = {.stream = stream};
-    struct xml_reader reader = {.log = log, .xml = &xml, .hash = hash};
-    for (size_t i = 0; i < define_count; i++) {
-        *hash = fileio_hash(*hash, defines[i].name, strlen(defines[i].name) + 1);
-        *hash = fileio_hash(*hash, defines[i].value, strlen(defines[i].value) + 1);
-        if (!load_define_add(&reader.defines, defines[i].name, defines[i].value, true))
+    struct load_xml xml = {.stream = (request->flags & SATIN_SCENE_STREAM) != 0};
+    struct xml_reader reader = {.log = log,
+                                .each = each,
+                                .lenient = (request->flags & SATIN_SCENE_LENIENT) != 0,
+                                .xml = &xml,
+                                .hash = hash};
+    for (size_t i = 0; i < request->define_count; i++) {
+        const satin_define *define = &request->defines[i];
+        *hash = fileio_hash(*hash, define->name, strlen(define->name) + 1);
+        *hash = fileio_hash(*hash, define->value, strlen(define->value) + 1);
+        if (!load_define_add(&reader.defines, define->name, define->value, true))
             return log_fail(log, SATIN_ERROR_INPUT, "%s: more than %d parameters", path,
                             LOAD_DEFINE_MAX);
     }

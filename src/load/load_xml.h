@@ -97,11 +97,11 @@ struct load_xml {
     int search_count;
 };
 
-// Reads `path` and the files that it includes; if `stream` is true, `path` may be a pipe or a
-// device. Continues *hash over all bytes and over the defines. The caller frees *out with
-// load_xml_free.
-satin_status load_xml_read(struct log log, const char *path, bool stream,
-                           const satin_define *defines, size_t define_count, uint64_t *hash,
+// Reads `path` and the files that it includes, with the defines and by the flags of the request. In
+// `each` it lists included files that are missing, if it is lenient. Continues *hash over all bytes
+// and over the defines. The caller frees *out with load_xml_free.
+satin_status load_xml_read(struct log log, struct log each, const char *path,
+                           const satin_scene_request *request, uint64_t *hash,
                            struct load_xml *out);
 void load_xml_free(struct load_xml *xml);
 

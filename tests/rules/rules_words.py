@@ -133,7 +133,7 @@ IDENTIFIERS = {
         : "include/satin/options|src/render/",
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
     "Curve": ("curves?", {
-        r"\w+": r"src/(?:load/load_(?:curve|hair|build|plugins_shape)|scene/)"
+        r"\w+": r"src/(?:load/load_(?:curve|hair|build|shape|plugins_shape)|scene/)"
                 r"|src/apps/app_info_scene"}),
     "Group": ("groups?", {r"\w+": r"src/(?:load/|scene/|guide/guide_aim)"}),
     "Job": ("jobs?", {
@@ -187,7 +187,7 @@ IN_TEXT = {
               r"|include/satin/types\.h", r"\bin place\b(?! of)"),
     "Room": (r"(?:no|enough|more|leaves?|makes?) room|room (?:for|to|left)", "", ""),
     "Seen": ("seen", r"src/(?:guide|photon|gather|shade|render)/|src/(?:film/film|fill/fill)\.h"
-             r"|src/scene/scene_camera|src/load/load_plugins_(?:integrator|sensor|shape)\.c"
+             r"|src/scene/scene_camera|src/load/load_(?:plugins_(?:integrator|sensor)|shape)\.c"
              r"|include/satin/options\.h", ""),
     "Level": ("levels?", r"src/cache/cache_tree|src/fill/fill_batch"
               r"|src/load/load_(?:image_l(?:evels|imit)|build|plugins_texture\.c)"
@@ -197,7 +197,7 @@ IN_TEXT = {
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),
     "Shared": (r"shar(?:es?|ing)", "", ""),
     "Branch": ("branch(?:es)?", "src/gather/gather_bounces|src/shade/shade_eye", ""),
-    "Curve": ("curves?", r"src/load/load_(?:curve|hair|build|plugins_shape)|src/scene/"
+    "Curve": ("curves?", r"src/load/load_(?:curve|hair|build|shape|plugins_shape)|src/scene/"
               r"|src/apps/app_info_scene", "may curve|curves away|(?:splines|meshes) and[^.]*curves"
               "|about curves"),
     "Group": ("groups?", r"src/load/|src/scene/|src/guide/guide_aim",

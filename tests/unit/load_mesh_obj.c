@@ -128,6 +128,35 @@ static void a_missing_mesh_names_the_scene(void **state) {
     assert_memory_equal(log.error, "scene.xml:3:7: cannot read 'missing'", 36);
 }
 
+// The triangles of a mesh, all in a row.
+static void load_mesh_obj_has(const struct mesh *mesh, uint32_t triangles, vec3 first_corner) {
+    assert_int_equal(mesh->triangle_count, triangles);
+    if (triangles)
+        assert_near3(mesh_case_vertex(mesh->position, mesh->index[0]), first_corner, 0.0f);
+}
+
+static void faces_are_divided_by_their_materials(void **state) {
+    (void)state;
+    static const char text[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 2 3 4\nusemtl red one \r\n"
+        "f 1 2 3 4\nusemtl other\nf 3 4 1\nusemtl  red one\nf 4 1 2\n";
+    const char *const material[] = {"red", "red one"};
+    struct mesh_request request = mesh_case_plain();
+    request.material = material;
+    request.material_count = 2;
+    struct arena arena = {0};
+    struct scene_case log;
+    struct mesh mesh[3];
+    scene_case_bytes("mesh", text, strlen(text));
+    const struct load_source source = {scene_case_begin(&log), {0}, &arena, "mesh", NULL};
+    assert_int_equal(load_mesh_obj(&source, &request, mesh), SATIN_OK);
+    load_mesh_obj_has(&mesh[0], 0, v3(0, 0, 0));
+    load_mesh_obj_has(&mesh[1], 3, v3(0, 0, 0));
+    load_mesh_obj_has(&mesh[2], 2, v3(1, 0, 0));
+    assert_int_equal(mesh[1].vertex_count, 4);
+    arena_free(&arena);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_forms_of_corners_are_read),
@@ -135,6 +164,7 @@ int main(void) {
         cmocka_unit_test(triangles_are_wound_by_their_normals),
         cmocka_unit_test(triangles_without_area_are_dropped),
         cmocka_unit_test(an_error_names_its_line),
+        cmocka_unit_test(faces_are_divided_by_their_materials),
         cmocka_unit_test(a_missing_mesh_names_the_scene),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

@@ -54,8 +54,10 @@ static satin_status read_params(struct scene_case *c, const char *body, struct l
     scene_case_file("scene.xml", file);
     uint64_t hash = FILEIO_HASH;
     struct log log = scene_case_begin(c);
-    assert_int_equal(load_xml_read(log, "scene.xml", false, NULL, 0, &hash, xml), SATIN_OK);
-    return load_params_read((struct param_source){log, xml, NULL}, &plugin, xml->root->last, out);
+    assert_int_equal(load_xml_read(log, log, "scene.xml", &(satin_scene_request){0}, &hash, xml),
+                     SATIN_OK);
+    return load_params_read((struct param_source){.log = log, .xml = xml}, &plugin, xml->root->last,
+                            out);
 }
 
 #define MUST "<float name='must' value='0'/>"

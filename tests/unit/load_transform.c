@@ -14,7 +14,8 @@ static satin_status read_steps(struct scene_case *c, const char *steps, struct m
     uint64_t hash = FILEIO_HASH;
     struct load_xml xml;
     struct log log = scene_case_begin(c);
-    assert_int_equal(load_xml_read(log, "scene.xml", false, NULL, 0, &hash, &xml), SATIN_OK);
+    assert_int_equal(load_xml_read(log, log, "scene.xml", &(satin_scene_request){0}, &hash, &xml),
+                     SATIN_OK);
     satin_status status = load_transform(log, xml.root->child->child, out);
     load_xml_free(&xml);
     return status;

@@ -49,6 +49,9 @@ static const struct nonsense warned[] = {
      "reflectance is 2, but must be in [0, 1]; it is not used"},
     {"<texture type='bitmap'><string name='filename' value='none.png'/></texture>",
      "cannot read 'none.png': No such file or directory; it is not used"},
+    {"<shape type='shapegroup' id='g'><shape type='ply'><string name='filename' value='none.ply'/>"
+     "</shape></shape>",
+     "cannot read 'none.ply': No such file or directory; it is not used"},
     {"<sensor type='perspective'><film type='hdrfilm'><rfilter type='Mitchell'/></film></sensor>",
      "unknown filter 'Mitchell', which is read as 'mitchell'"},
     {"<film type='hdrfilm'/>", "this film is not used; its place is <sensor>"},

@@ -9,7 +9,8 @@ static satin_status load_xml_read_text(struct scene_case *c, const char *text,
                                        struct load_xml *xml) {
     uint64_t hash = FILEIO_HASH;
     scene_case_file("scene.xml", text);
-    return load_xml_read(scene_case_begin(c), "scene.xml", false, NULL, 0, &hash, xml);
+    return load_xml_read(scene_case_begin(c), (struct log){0}, "scene.xml",
+                         &(satin_scene_request){0}, &hash, xml);
 }
 
 static void elements_keep_their_order_and_lines(void **state) {
@@ -129,19 +130,27 @@ static void parameters_are_substituted(void **state) {
                     "<shape type='$kind' id='$name-$n-\\$n'/></scene>");
     satin_define define = {"kind", "cube"};
     struct log log = scene_case_begin(&c);
-    assert_int_equal(load_xml_read(log, "scene.xml", false, &define, 1, &hash, &xml), SATIN_OK);
+    assert_int_equal(
+        load_xml_read(log, log, "scene.xml",
+                      &(satin_scene_request){.defines = &define, .define_count = 1}, &hash, &xml),
+        SATIN_OK);
     assert_string_equal(xml.root->child->type, "cube");
     assert_string_equal(xml.root->child->id, "21-1-$n");
     load_xml_free(&xml);
     // A value from outside replaces a default, and counts for the hash.
     satin_define two[] = {{"kind", "cube"}, {"n", "7"}};
-    assert_int_equal(load_xml_read(log, "scene.xml", false, two, 2, &other, &xml), SATIN_OK);
+    assert_int_equal(
+        load_xml_read(log, log, "scene.xml",
+                      &(satin_scene_request){.defines = two, .define_count = 2}, &other, &xml),
+        SATIN_OK);
     assert_string_equal(xml.root->child->id, "27-7-$n");
     assert_true(hash != other);
     load_xml_free(&xml);
     satin_define wrong[] = {{"kind", "cube"}, {"nam", "7"}};
-    assert_int_equal(load_xml_read(log, "scene.xml", false, wrong, 2, &other, &xml),
-                     SATIN_ERROR_INPUT);
+    assert_int_equal(
+        load_xml_read(log, log, "scene.xml",
+                      &(satin_scene_request){.defines = wrong, .define_count = 2}, &other, &xml),
+        SATIN_ERROR_INPUT);
     assert_string_equal(
         c.error, "scene.xml: parameter 'nam' is defined but not used (did you mean 'name'?)");
 }

@@ -132,10 +132,11 @@ static void bad_instances_are_refused(void **state) {
         {"<shape type='instance'/>", "shape 'instance': it takes one shapegroup"},
         {"<shape type='instance'><shape type='cube'/></shape>",
          "shape 'instance': it takes one shapegroup"},
-        {"<shape type='shapegroup'><shape type='cube'><emitter type='area'/></shape></shape>",
+        {"<shape type='instance'><shape type='shapegroup'><shape type='cube'><emitter type='area'/>"
+         "</shape></shape></shape>",
          "shape 'cube': it cannot emit in a shapegroup"},
         {"<shape type='shapegroup' id='g'><shape type='cube'/><shape type='instance'>"
-         "<ref id='g'/></shape></shape>",
+         "<ref id='g'/></shape></shape><shape type='instance'><ref id='g'/></shape>",
          "shape 'instance': it cannot be part of a group"},
         {"<shape type='merge' id='m'><ref id='m'/></shape>",
          "shape 'merge': shapes are nested too deep, or contain themselves"},
