@@ -87,8 +87,10 @@ static vec3 near_one(vec3 v) {
 
 bool mat4_look_at(vec3 origin, vec3 target, vec3 up, struct mat4 *out) {
     vec3 dir = v3_unit(near_one(v3_sub(target, origin)));
-    vec3 left = v3_unit(v3_cross(near_one(up), dir));
-    if (!(v3_len2(left) > 0.5f) || !(v3_len2(dir) > 0.5f) || !v3_finite(origin)) return false;
+    const vec3 cross = v3_cross(near_one(up), dir), left = v3_unit(cross);
+    // The product of vectors that are parallel but for rounding has no direction.
+    const bool parallel = !(v3_len2(cross) > 1e-12f);
+    if (parallel || !(v3_len2(dir) > 0.5f) || !v3_finite(origin)) return false;
     vec3 y = v3_cross(dir, left);
     *out = (struct mat4){{{left.x, y.x, dir.x, origin.x},
                           {left.y, y.y, dir.y, origin.y},

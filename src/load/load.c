@@ -117,7 +117,8 @@ static satin_status build_sensor(struct load_state *loader, struct xml_node *nod
                                  const struct xml_node *used) {
     if (node == used) return load_sensor(loader, node);
     if (!loader->sensor)
-        log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
+        log_warning_at(loader->log, node->place,
+                       "only the first sensor of a scene is used; --sensor chooses another");
     if (left_unread(loader, node)) return SATIN_OK;
     struct params p;
     struct load_spared unused;

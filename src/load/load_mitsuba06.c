@@ -20,11 +20,8 @@ static const char *map_name(const struct pair *pairs, const char *name) {
 }
 
 const char *load_mitsuba06_tag(const char *name) {
-    static const struct pair tags[] = {{"lookAt", "lookat"},
-                                       {"srgb", "rgb"},
-                                       {"blackbody", "spectrum"},
-                                       {"animation", "transform"},
-                                       {NULL, NULL}};
+    static const struct pair tags[] = {
+        {"lookAt", "lookat"}, {"srgb", "rgb"}, {"blackbody", "spectrum"}, {NULL, NULL}};
     return map_name(tags, name);
 }
 
@@ -66,17 +63,24 @@ static bool is_element(const struct xml_node *node, enum xml_tag tag, const char
     return node && node->tag == tag && (!type || strcmp(node->type, type) == 0);
 }
 
-// Whether a parameter never changed the image, or only how its file was written.
-static bool has_no_effect(const struct xml_node *parent, const char *name) {
-    static const char *const film[] = {"banner",         "attach_log", "gamma", "exposure",
-                                       "tonemap_method", "key",        "burn",  NULL};
-    static const char *const texture[] = {"cache", "max_anisotropy", NULL};
-    const char *const *list = parent->tag == XML_FILM      ? film
-                              : parent->tag == XML_TEXTURE ? texture
-                                                           : NULL;
-    for (; list && *list; list++)
+static bool is_one_of(const char *name, const char *const *list) {
+    for (; *list; list++)
         if (strcmp(*list, name) == 0) return true;
     return false;
+}
+
+// Whether a parameter never changed the image.
+static bool is_idle(const struct xml_node *parent, const char *name) {
+    static const char *const film[] = {"banner", "attach_log", NULL};
+    static const char *const texture[] = {"cache", "max_anisotropy", NULL};
+    if (parent->tag == XML_FILM) return is_one_of(name, film);
+    return parent->tag == XML_TEXTURE && is_one_of(name, texture);
+}
+
+// Whether a parameter of a film says how the pixels of its file differ from the image.
+static bool is_tonemap(const struct xml_node *parent, const char *name) {
+    static const char *const film[] = {"gamma", "exposure", "tonemap_method", "key", "burn", NULL};
+    return parent->tag == XML_FILM && is_one_of(name, film);
 }
 
 // ---- Values -------------------------------------------------------------------------------------
@@ -171,11 +175,11 @@ static bool is_uv_transform(const char *name) {
 
 static satin_status respell_value(struct log log, struct arena *arena, struct xml_node *parent,
                                   struct xml_node *node, bool *keep) {
-    if (has_no_effect(parent, node->name)) {
-        log_warning_at(log, node->place, "'%s' has no effect here", node->name);
-        *keep = false;
-        return SATIN_OK;
-    }
+    const bool tonemap = is_tonemap(parent, node->name);
+    *keep = !tonemap && !is_idle(parent, node->name);
+    if (tonemap)
+        log_warning_at(log, node->place, "'%s' has no effect here", load_xml_get(node, "name"));
+    if (!*keep) return SATIN_OK;
     if (is_element(parent, XML_TEXTURE, NULL) && node->tag == XML_FLOAT &&
         is_uv_transform(node->name)) {
         *keep = false;
@@ -195,8 +199,8 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
         return SATIN_ERROR_INPUT;
     }
     static const struct pair facets[] = {{"phong", "beckmann"}, {"as", "beckmann"}, {NULL, NULL}};
-    if (is_element(parent, XML_BSDF, NULL) && strcmp(node->name, "distribution") == 0 && text &&
-        map_name(facets, text) != text) {
+    if (is_element(parent, XML_BSDF, NULL) && strncmp(parent->type, "rough", 5) == 0 &&
+        strcmp(node->name, "distribution") == 0 && text && map_name(facets, text) != text) {
         log_warning_at(log, node->place,
                        "the distribution '%s' is read as 'beckmann', whose facets are alike", text);
         return set_attribute(arena, node, "value", "beckmann");

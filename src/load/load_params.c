@@ -44,13 +44,14 @@ static int find_spec(const struct plugin_spec *plugin, const char *name) {
 
 // A misspelt parameter is an error. One that is far from all known names, or belongs to another
 // plugin of the same element, does not change the image and is a warning.
-static satin_status unknown_parameter(struct log log, const struct plugin_spec *plugin,
+static satin_status unknown_parameter(struct param_source source, const struct plugin_spec *plugin,
                                       const struct xml_node *child) {
+    struct log log = source.log;
     struct text_nearest nearest = {.word = child->name};
     for (int i = 0; plugin->params && plugin->params[i]; i++)
         text_nearest_try(&nearest, plugin->params[i]->name);
     const char *noun = load_plugin_noun(plugin->tag), *written = load_xml_get(child, "name");
-    if (nearest.best && !load_param_known(plugin->tag, child->name)) {
+    if (nearest.best && !load_param_known(plugin->tag, child->name) && !source.lenient) {
         log_error_at(log, child->place, "%s '%s' has no parameter '%s' (did you mean '%s'?)", noun,
                      plugin->name, written, nearest.best);
         return SATIN_ERROR_INPUT;
@@ -61,8 +62,10 @@ static satin_status unknown_parameter(struct log log, const struct plugin_spec *
 }
 
 // Logs that an object stands where it cannot.
-static void misplaced_object(struct log log, const struct plugin_spec *plugin,
-                             const struct xml_node *child, enum xml_tag tag) {
+static satin_status misplaced_object(struct param_source source, const struct plugin_spec *plugin,
+                                     const struct xml_node *child, enum xml_tag tag) {
+    struct log_spared spared = {source.log, source.each, "it is left out"};
+    struct log log = source.lenient ? log_spare(&spared) : source.log;
     static const char *const home[XML_TAG_COUNT] = {
         [XML_BSDF] = "<shape>",   [XML_EMITTER] = "<shape> or <scene>", [XML_FILM] = "<sensor>",
         [XML_RFILTER] = "<film>", [XML_SAMPLER] = "<sensor>",           [XML_SENSOR] = "<scene>",
@@ -75,12 +78,14 @@ static void misplaced_object(struct log log, const struct plugin_spec *plugin,
                  : home[tag]        ? "; its place is "
                                     : "",
                  home[tag] ? home[tag] : "");
+    return source.lenient ? SATIN_OK : SATIN_ERROR_INPUT;
 }
 
 // Reads a child that is an object: a texture for a parameter, or another object that the plugin
 // takes.
-static satin_status read_object(struct log log, struct params *out, const struct xml_node *child,
-                                struct xml_node *target) {
+static satin_status read_object(struct param_source source, struct params *out,
+                                const struct xml_node *child, struct xml_node *target) {
+    struct log log = source.log;
     const struct plugin_spec *plugin = out->plugin;
     int i = target->tag == XML_TEXTURE && child->name ? find_spec(plugin, child->name) : -1;
     if (i >= 0 && (plugin->params[i]->flags & PARAM_TEXTURE)) {
@@ -98,9 +103,9 @@ static satin_status read_object(struct log log, struct params *out, const struct
         log_error_at(log, child->place, "%s of %s '%s' cannot be textured", child->name,
                      load_plugin_noun(plugin->tag), plugin->name);
     else if (target->tag == XML_TEXTURE && child->name)
-        return unknown_parameter(log, plugin, child);
+        return unknown_parameter(source, plugin, child);
     else
-        misplaced_object(log, plugin, child, target->tag);
+        return misplaced_object(source, plugin, child, target->tag);
     return SATIN_ERROR_INPUT;
 }
 
@@ -139,10 +144,10 @@ static satin_status read_child(struct param_source source, struct params *out,
     }
     int i = find_spec(plugin, child->name);
     if (i < 0 && plugin->lenient) {
-        log_warning_at(log, child->place, "'%s' has no effect here", child->name);
+        log_warning_at(log, child->place, "'%s' has no effect here", load_xml_get(child, "name"));
         return SATIN_OK;
     }
-    if (i < 0) return unknown_parameter(log, plugin, child);
+    if (i < 0) return unknown_parameter(source, plugin, child);
     const struct param_spec *spec = plugin->params[i];
     struct param_value *value = &out->value[i];
     if (value->given) {
@@ -177,12 +182,13 @@ satin_status load_params_read(struct param_source source, const struct plugin_sp
             log_warning_at(source.log, child->place,
                            "'%s' is a <%s>, which is not supported: the image is without it",
                            target->id, target->type);
+            node->medium = node->medium || strcmp(target->type, "medium") == 0;
             continue;
         }
         // A colour that is only defined for references.
         if (plugin->tag == XML_SCENE && target->id && !load_xml_is_object(target->tag)) continue;
         satin_status status = load_xml_is_object(target->tag)
-                                  ? read_object(source.log, out, child, target)
+                                  ? read_object(source, out, child, target)
                                   : read_child(source, out, child, target);
         if (status != SATIN_OK) return status;
     }

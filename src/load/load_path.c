@@ -91,8 +91,8 @@ satin_status load_path_add(struct load_xml *xml, struct log log, const struct xm
     free(path);
     if (!copy) return SATIN_ERROR_MEMORY;
     if (!folder) {
-        log_error_at(log, node->place, "'%s' is not a folder", name);
-        return SATIN_ERROR_INPUT;
+        log_warning_at(log, node->place, "'%s' is not a folder, and nothing is read from it", name);
+        return SATIN_OK;
     }
     xml->search[xml->search_count++] = copy;
     return SATIN_OK;

@@ -103,7 +103,7 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
     if (plugin) return plugin;
     const char *noun = load_plugin_noun(node->tag), *nearest = nearest_name(node);
     const char *plain = substitute_type(node->tag);
-    if (nearest && plain && strcasecmp(nearest, node->type) == 0) plain = nearest;
+    if (nearest && strcasecmp(nearest, node->type) == 0) plain = nearest;
     if (load_plugin_unread(node)) {
         log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);
     } else if (plain) {

@@ -15,12 +15,14 @@ static satin_status material_error(struct load_state *loader, const struct param
     return SATIN_ERROR_INPUT;
 }
 
-// The material of a shape without a <bsdf>. If the shape emits light, it is black, as in Mitsuba.
-static satin_status default_material(struct load_state *loader, bool emits, struct material *out) {
-    *out = (struct material){.name = emits ? "black" : "default"};
+// The material of a shape without a <bsdf>.
+static satin_status default_material(struct load_state *loader, enum plain_material plain,
+                                     struct material *out) {
+    static const char *const names[] = {"default", "black", "null"};
+    *out = (struct material){.name = names[plain]};
     out->front.index = loader->scene->side_count++;
-    out->front.base.model = brdf_find("diffuse");
-    out->front.base.diffuse = rgb_grey(emits ? 0.0f : 0.5f);
+    out->front.base.model = brdf_find(plain == PLAIN_NULL ? "null" : "diffuse");
+    out->front.base.diffuse = rgb_grey(plain == PLAIN_GREY ? 0.5f : 0.0f);
     if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
         return load_no_memory(loader);
     out->back = out->front;
@@ -39,7 +41,7 @@ static satin_status build_nested(struct load_state *loader, const struct params 
     }
     // Each <ref> that leads nowhere is a grey one.
     for (; loader->lenient && n < least; n++) {
-        satin_status status = default_material(loader, false, &out[n]);
+        satin_status status = default_material(loader, PLAIN_GREY, &out[n]);
         if (status != SATIN_OK) return status;
     }
     *count = n;
@@ -252,7 +254,7 @@ static satin_status build_mixture(struct load_state *loader, const struct params
     }
     if (status != SATIN_OK || all > 1.0 - 1e-5) return status;
     both[0] = *out;
-    status = default_material(loader, true, &both[1]);
+    status = default_material(loader, PLAIN_BLACK, &both[1]);
     if (status != SATIN_OK) return status;
     return blend_two(loader, p, both, &(struct blend_weight_value){.value = (float)(1.0 - all)},
                      out);
@@ -392,7 +394,7 @@ static satin_status build_stand_in(struct load_state *loader, struct xml_node *n
                                    struct material *out) {
     struct xml_node *at = NULL, *inner = load_params_child(&loader->xml, node, XML_BSDF, &at);
     if (!inner || load_params_child(&loader->xml, node, XML_BSDF, &at)) {
-        satin_status status = default_material(loader, false, out);
+        satin_status status = default_material(loader, PLAIN_GREY, out);
         out->two_sided = true;
         return status;
     }
@@ -443,14 +445,14 @@ static satin_status add_material(struct load_state *loader, const struct materia
     return SATIN_OK;
 }
 
-satin_status load_material_of(struct load_state *loader, struct xml_node *node, bool emits,
-                              uint32_t *index) {
-    uint32_t *known = node ? &node->material : &loader->plain[emits];
+satin_status load_material_of(struct load_state *loader, struct xml_node *node,
+                              enum plain_material plain, uint32_t *index) {
+    uint32_t *known = node ? &node->material : &loader->plain[plain];
     struct material material;
     satin_status status = SATIN_OK;
     if (!*known) {
         status = node ? load_material_build(loader, node, &material)
-                      : default_material(loader, emits, &material);
+                      : default_material(loader, plain, &material);
         if (status == SATIN_OK) status = add_material(loader, &material, known);
     }
     if (status == SATIN_OK) *index = *known - 1;

@@ -326,6 +326,7 @@ satin_status load_sensor(struct load_state *loader, struct xml_node *node) {
                               .filter = FILTER_GAUSSIAN,
                               .radius = 2.0f,
                               .stddev = 0.5f};
+    if (load_left_out(loader, node, "it is a perspective camera")) node->type = "perspective";
     satin_status status = load_params(loader, node, &sensor);
     if (status == SATIN_OK) status = read_only_child(loader, &sensor, XML_SAMPLER, NULL, &child);
     if (status == SATIN_OK) status = read_only_child(loader, &sensor, XML_FILM, &film, &child);

@@ -51,7 +51,7 @@ static const struct param_spec smooth_angle = {
     "max_smooth_angle",
     PARAM_FLOAT,
     NULL,
-    RANGE_POSITIVE,
+    RANGE_NOT_NEGATIVE,
     0,
     NULL,
     "If given, new vertex normals are computed, which are smooth across edges whose angle is less "
@@ -158,6 +158,8 @@ static satin_status read_meshes(struct load_state *loader, const struct params *
         return load_refuse(loader, p,
                            angle->f > 180.0f ? "its max_smooth_angle is over 180 degrees"
                                              : "it has both face_normals and max_smooth_angle");
+    // At 0 no edge is smooth.
+    if (angle->given && !(angle->f > 0.0f)) request.face_normals = true;
     struct load_source source;
     satin_status status = load_file_source(loader, load_param(p, "filename"), &source);
     if (status != SATIN_OK) return status;

@@ -15,6 +15,10 @@ satin_status load_shape_obj(struct load_state *loader, const struct params *p,
                             const char *const *material, size_t count, struct shape *shape,
                             struct mesh *out);
 
+// Adds to the element of an OBJ without a BRDF, for each material of the files that it names, a
+// <bsdf> of that name (load_mesh_mtl.c).
+satin_status load_mesh_mtl(struct load_state *loader, const struct params *p);
+
 // The elements that every shape takes.
 #define SHAPE_CHILDREN (1u << XML_BSDF | 1u << XML_EMITTER)
 

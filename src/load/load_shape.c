@@ -154,14 +154,9 @@ static satin_status find_brdfs(struct load_state *loader, const struct params *p
 static satin_status add_obj_mesh(struct load_state *loader, const struct params *p,
                                  struct shape shape, struct xml_node *brdf, const char *material) {
     char name[256];
-    satin_status status = load_material_of(loader, brdf, false, &shape.material);
+    if (!shape.mesh.triangle_count) return SATIN_OK;
+    satin_status status = load_material_of(loader, brdf, PLAIN_GREY, &shape.material);
     if (status != SATIN_OK || load_pose_gone(loader, p->node)) return status;
-    if (!shape.mesh.triangle_count) {
-        if (material)
-            log_warning_at(loader->log, p->node->place, "no face of the file has the material '%s'",
-                           material);
-        return SATIN_OK;
-    }
     snprintf(name, sizeof name, "%.127s-%.127s", shape.name, material ? material : "other");
     shape.name = load_keep_text(loader, name);
     return shape.name ? finish_shape(loader, p, &shape) : load_no_memory(loader);
@@ -183,6 +178,9 @@ static satin_status add_obj(struct load_state *loader, const struct params *p, s
     for (size_t i = 0; i <= brdfs.count && status == SATIN_OK; i++) {
         const bool last = i == brdfs.count;
         shape.mesh = mesh[i];
+        if (!last && !mesh[i].triangle_count && !p->node->library)
+            log_warning_at(loader->log, p->node->place, "no face of the file has the material '%s'",
+                           brdfs.name[i]);
         status = add_obj_mesh(loader, p, shape, last ? brdfs.other : brdfs.node[i],
                               last ? NULL : brdfs.name[i]);
     }
@@ -205,14 +203,23 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     bool left_out = false;
     status = only_child(loader, &p, XML_EMITTER, &emitter);
     if (status != SATIN_OK) return status;
-    const size_t brdf_count = count_brdfs(loader, node);
-    if (brdf_count > 1 && !emitter && strcmp(p.plugin->name, "obj") == 0)
-        return add_obj(loader, &p, brdf_count);
+    const bool obj = !emitter && strcmp(p.plugin->name, "obj") == 0;
+    size_t brdf_count = count_brdfs(loader, node);
+    if (obj && !brdf_count && node->mitsuba06 && !node->medium) {
+        status = load_mesh_mtl(loader, &p);
+        if (status != SATIN_OK) return status;
+        brdf_count = count_brdfs(loader, node);
+        node->library = brdf_count > 0;
+    }
+    if (obj && (brdf_count > 1 || node->library)) return add_obj(loader, &p, brdf_count);
     status = only_child(loader, &p, XML_BSDF, &bsdf);
     if (status == SATIN_OK) status = begin_shape(loader, &p, &shape);
     if (status != SATIN_OK) return status;
     if (emitter && shape.group) return load_refuse(loader, &p, "it cannot emit in a shapegroup");
-    status = load_material_of(loader, bsdf, emitter, &shape.material);
+    const enum plain_material plain = emitter                           ? PLAIN_BLACK
+                                      : node->medium && node->mitsuba06 ? PLAIN_NULL
+                                                                        : PLAIN_GREY;
+    status = load_material_of(loader, bsdf, plain, &shape.material);
     // The material is there, so that all materials have the same numbers in all frames.
     if (status == SATIN_OK && load_pose_gone(loader, node)) return SATIN_OK;
     if (status == SATIN_OK && emitter)

@@ -12,6 +12,13 @@
 // The most textures within textures, so that visiting all in a checkerboard takes 2^8 steps.
 enum { TEXTURE_NESTING_MAX = 8 };
 
+// The materials of shapes without a <bsdf>.
+enum plain_material {
+    PLAIN_GREY,
+    PLAIN_BLACK,  // of shapes that emit
+    PLAIN_NULL    // of those of version 0.6 that contain a medium: they are not visible
+};
+
 struct load_state {
     struct log log;
     const char *path;    // of the main file
@@ -35,7 +42,7 @@ struct load_state {
     size_t shape_elements;   // number of shape elements, with references counted
     uint32_t open_group;     // 1 + index of the <shape type="shapegroup"> that is being read, or 0
     int shape_depth;         // depth of shapes within shapes
-    uint32_t plain[2];       // 1 + index of the default materials of shapes: [emits]
+    uint32_t plain[3];       // 1 + index of the default materials of shapes: enum plain_material
     int bsdf_depth;          // depth of nested <bsdf>s
     int texture_depth;       // depth of nested <texture>s
     struct load_pose *pose;  // where objects and lights are in this frame; owned
@@ -107,10 +114,10 @@ satin_status load_side_build(struct load_state *loader, const struct params *p,
 // Builds a material, without adding it to the scene (load_plugins_material.c).
 satin_status load_material_build(struct load_state *loader, struct xml_node *node,
                                  struct material *out);
-// Sets *index to that of the material of a <bsdf>, which is added at the first reference. A NULL
-// node is the default for shapes that emit or do not.
-satin_status load_material_of(struct load_state *loader, struct xml_node *node, bool emits,
-                              uint32_t *index);
+// Sets *index to that of the material of a <bsdf>, which is added at the first reference. If `node`
+// is NULL, it is `plain`.
+satin_status load_material_of(struct load_state *loader, struct xml_node *node,
+                              enum plain_material plain, uint32_t *index);
 // Adds a shape with its material and light, or the shapes of which it consists (load_shape.c).
 satin_status load_shape_add(struct load_state *loader, struct xml_node *node);
 // The name of the last shape element that was begun: its id or, so that no two have one name, that

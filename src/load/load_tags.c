@@ -46,8 +46,7 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
 };
 
 // Elements that Mitsuba has and satin does not read.
-static const char *const unread_tags[] = {"medium",     "phase",     "volume", "field",
-                                          "subsurface", "animation", NULL};
+static const char *const unread_tags[] = {"medium", "phase", "volume", "field", "subsurface", NULL};
 
 const char *load_xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 
@@ -59,6 +58,7 @@ bool load_xml_tag_unread(const char *name) {
 
 bool load_xml_tag_spared(enum xml_tag parent, const char *name) {
     if (parent == XML_SCENE) return load_xml_tag_unread(name);
+    if (parent == XML_BSDF) return strcmp(name, "phase") == 0;
     return (parent == XML_SHAPE || parent == XML_SENSOR || parent == XML_EMITTER) &&
            (strcmp(name, "medium") == 0 || strcmp(name, "subsurface") == 0);
 }
@@ -68,6 +68,10 @@ enum xml_tag load_xml_tag_find(struct log log, struct log_place place, const cha
         if (strcmp(tags[i].name, name) == 0) return (enum xml_tag)i;
     if (load_xml_tag_unread(name)) {
         log_error_at(log, place, "<%s> is not supported", name);
+        return XML_TAG_COUNT;
+    }
+    if (strcmp(name, "camera") == 0 || strcmp(name, "luminaire") == 0) {
+        log_error_at(log, place, "<%s> is of Mitsuba 0.3, which is not supported", name);
         return XML_TAG_COUNT;
     }
     struct text_nearest nearest = {.word = name};
@@ -97,7 +101,7 @@ bool load_xml_attributes_valid(struct log log, const struct xml_node *node, bool
     const struct tag_info *info = &tags[node->tag];
     for (const char *const *a = node->attribute; *a; a += 2) {
         if (is_listed(info->required, 3, *a) || is_listed(info->optional, 5, *a)) continue;
-        if (root && strcmp(*a, "version") == 0) continue;
+        if (strcmp(*a, "version") == 0) continue;
         if (node->mitsuba06 && load_mitsuba06_attribute(node->tag, *a)) continue;
         log_error_at(log, node->place, "<%s> has no attribute '%s'", info->name, *a);
         return false;

@@ -219,7 +219,8 @@ static satin_status open_element(struct file *file, const char *name, const char
     if (root) file->mitsuba06 = is_mitsuba06(attributes);
     node->mitsuba06 = file->mitsuba06;
     node->encoded = file->mitsuba06 && strcmp(name, "srgb") == 0;
-    node->animated = file->mitsuba06 && strcmp(name, "animation") == 0;
+    node->animated = strcmp(name, "animation") == 0;
+    if (node->animated) name = "transform";
     node->tag =
         load_xml_tag_find(reader->log, place, file->mitsuba06 ? load_mitsuba06_tag(name) : name);
     if (node->tag == XML_TAG_COUNT) return SATIN_ERROR_INPUT;
@@ -275,7 +276,9 @@ static bool skips(const struct file *file, const char *name) {
 static satin_status skip_element(struct file *file, const char *name, const char **attributes) {
     struct xml_reader *reader = file->reader;
     struct arena *arena = &reader->xml->arena;
-    const bool used = reader->open[reader->depth - 1]->tag != XML_SCENE;
+    struct xml_node *parent = reader->open[reader->depth - 1];
+    const bool used = parent->tag != XML_SCENE;
+    parent->medium = parent->medium || strcmp(name, "medium") == 0;
     log_warning_at(reader->log, current_place(file), "<%s> is not supported%s", name,
                    used ? ": the image is without it" : "; it is not used");
     while (*attributes && strcmp(attributes[0], "id") != 0) attributes += 2;

@@ -70,7 +70,9 @@ struct xml_node {
     size_t number;                         // index of the element in the order of reading
     bool mitsuba06;                        // whether it has the names of version 0.6
     bool encoded;                          // <srgb> of version 0.6: its numbers are not linear
-    bool animated;                         // <animation> of version 0.6, and the number of
+    bool library;                          // OBJ: its <bsdf>s are from files that it names
+    bool medium;                           // a <medium> is in it or referred to
+    bool animated;                         // <animation>, and the number of
     int keys;                              // transforms in it that were met
     const struct texture *texture;         // what was built from it, for further
     uint32_t material;                     // references: NULL if nothing; 1 + index

@@ -56,10 +56,24 @@ static const char *find_stray(const char *at) {
     return NULL;
 }
 
+// Moves blanks and line ends before the XML declaration to its end.
+static void move_declaration(char *text) {
+    const size_t blanks = strspn(text, " \t\r\n");
+    const char *end = begins(text + blanks, "<?xml ") ? strstr(text + blanks, "?>") : NULL;
+    if (!blanks || !end) return;
+    const size_t length = (size_t)(end + 2 - (text + blanks));
+    char *before = strndup(text, blanks);
+    if (!before) return;
+    memmove(text, text + blanks, length);
+    memcpy(text + length, before, blanks);
+    free(before);
+}
+
 bool load_xml_clean(char **data, size_t *size) {
     char *text = *data;
     // UTF-16, or no text at all.
     if (memchr(text, 0, *size)) return true;
+    move_declaration(text);
     blank_comments(text);
     size_t count = 0;
     for (const char *stray = find_stray(text); stray; stray = find_stray(stray + 1)) count++;

@@ -435,7 +435,9 @@ static void parameters_without_effect_are_reported(void **state) {
     satin_scene *scene = NULL;
     assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene), SATIN_OK);
     assert_int_equal(c.warnings, 1);
-    assert_string_equal(c.warning, "scene.xml:3:1: only the first sensor of a scene is used");
+    assert_string_equal(c.warning,
+                        "scene.xml:3:1: only the first sensor of a scene is used; "
+                        "--sensor chooses another");
     assert_true(scene->camera.aperture == 0.0f);
     satin_scene_free(scene);
     assert_int_equal(satin_scene_load(NULL, NULL, 0, log.fn, log.user, &scene),

@@ -68,9 +68,21 @@ static void impossible_smoothing_is_refused(void **state) {
     }
 }
 
+static void an_angle_of_zero_keeps_all_edges(void **state) {
+    (void)state;
+    struct scene_case c;
+    scene_case_file("cube.obj", load_mesh_smooth_cube);
+    satin_scene *scene = scene_case_load(
+        &c, SCENE_TEXT("<shape type='obj'><string name='filename' value='cube.obj'/>"
+                       "<float name='max_smooth_angle' value='0'/></shape>"));
+    assert_true(scene && scene->shape[0].face_normals && !scene->shape[0].mesh.normal);
+    satin_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(sharp_edges_are_kept),
                                        cmocka_unit_test(flatter_edges_are_smoothed),
-                                       cmocka_unit_test(impossible_smoothing_is_refused)};
+                                       cmocka_unit_test(impossible_smoothing_is_refused),
+                                       cmocka_unit_test(an_angle_of_zero_keeps_all_edges)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

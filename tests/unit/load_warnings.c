@@ -54,6 +54,11 @@ static const struct nonsense warned[] = {
      "cannot read 'none.ply': No such file or directory; it is not used"},
     {"<sensor type='perspective'><film type='hdrfilm'><rfilter type='Mitchell'/></film></sensor>",
      "unknown filter 'Mitchell', which is read as 'mitchell'"},
+    {"<shape type='Cube' version='2.0.0'/>", "unknown shape 'Cube', which is read as 'cube'"},
+    {"<path value='none'/>", "'none' is not a folder, and nothing is read from it"},
+    {"<shape type='cube'>" TO_WORLD(
+         "<lookat origin='3 4 5' target='0 0 0' up='3 4 5'/>") "</shape>",
+     "<lookat>: up is along the view; one at right angles to the view is taken"},
     {"<film type='hdrfilm'/>", "this film is not used; its place is <sensor>"},
     {"<rfilter type='box' id='a'/>", "this filter is not used; its place is <film>"},
     {"<integrator type='pathh'/>", "unknown integrator 'pathh', which is read as 'path'"},

@@ -155,6 +155,20 @@ static void parameters_are_substituted(void **state) {
         c.error, "scene.xml: parameter 'nam' is defined but not used (did you mean 'name'?)");
 }
 
+static void blanks_may_come_before_the_declaration(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct load_xml xml;
+    assert_int_equal(load_xml_read_text(&c,
+                                        "\n  <?xml version='1.0' encoding='ISO-8859-1'?>\n"
+                                        "<scene version='3.0.0'>\n<shape type='caf\xe9'/></scene>",
+                                        &xml),
+                     SATIN_OK);
+    assert_string_equal(xml.root->child->type, "caf\xc3\xa9");
+    assert_int_equal(xml.root->child->place.line, 4);
+    load_xml_free(&xml);
+}
+
 static void files_are_included(void **state) {
     (void)state;
     struct scene_case c;
@@ -233,7 +247,8 @@ static const struct load_xml_refusal load_xml_refusals[] = {
     {"<scene/>", "scene.xml:1:1: <scene> needs the attribute 'version'"},
     {"<scene version='1.0.0'/>",
      "scene.xml:1:1: version '1.0.0' is not supported: 0.x, 2.x and 3.x are"},
-    {S "<path value='none'/></scene>", "scene.xml:1:24: 'none' is not a folder"},
+    {S "<camera type='perspective'/></scene>",
+     "scene.xml:1:24: <camera> is of Mitsuba 0.3, which is not supported"},
     {S "<shape type='cube'><path value='.'/></shape></scene>",
      "scene.xml:1:43: <path> cannot stand inside <shape>"},
     {S "<include filename='scene.xml'/></scene>", "scene.xml:1:24: 'scene.xml' includes itself"},
@@ -317,6 +332,7 @@ int main(void) {
         cmocka_unit_test(entities_are_replaced),
         cmocka_unit_test(entities_are_bounded),
         cmocka_unit_test(parameters_are_substituted),
+        cmocka_unit_test(blanks_may_come_before_the_declaration),
         cmocka_unit_test(files_are_included),
         cmocka_unit_test(includes_are_bounded),
         cmocka_unit_test(errors_of_xml_name_their_line),
