@@ -213,6 +213,10 @@ bool options_quality_chooses_photons(const satin_options *options) {
     return options->photons == preset[options->quality].options.photons;
 }
 
+bool options_quality_chooses_lights(const satin_options *options) {
+    return options->light_samples == preset[options->quality].options.light_samples;
+}
+
 bool options_quality_chooses_caustics(const satin_options *options) {
     return options->caustic_photons == preset[options->quality].options.caustic_photons;
 }

@@ -29,6 +29,7 @@ void options_quality_copy(satin_options *to, const satin_options *from);
 // the user chose.
 bool options_quality_chooses_photons(const satin_options *options);
 bool options_quality_chooses_caustics(const satin_options *options);
+bool options_quality_chooses_lights(const satin_options *options);
 
 // The samples per pixel of a quality, for satin_options.spp 0: a square number.
 int options_quality_spp(satin_quality quality);

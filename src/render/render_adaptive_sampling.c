@@ -377,6 +377,11 @@ void render_adaptive_lights(struct adaptive_sampling *adapt, float cost) {
     each_chunk(adapt, set_lights, &loop);
 }
 
+void render_adaptive_direct(struct adaptive_sampling *adapt, uint32_t count) {
+    for (size_t i = 0; i < pixels(adapt); i++)
+        adapt->pixel[i].light.next = adapt->pixel[i].lobe.next = count;
+}
+
 double render_adaptive_light_samples(const struct adaptive_sampling *adapt) {
     double light_samples = 0.0, samples = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) {

@@ -71,6 +71,8 @@ double render_adaptive_variance(struct adaptive_sampling *adapt);
 // To be called after a pass: sets the numbers of samples of direct light in each pixel's next
 // samples. `cost` is the cost of a sample without them, over that of one of them.
 void render_adaptive_lights(struct adaptive_sampling *adapt, float cost);
+// Sets those of all pixels to `count`.
+void render_adaptive_direct(struct adaptive_sampling *adapt, uint32_t count);
 // The mean number of light samples of a sample.
 double render_adaptive_light_samples(const struct adaptive_sampling *adapt);
 

@@ -15,6 +15,8 @@
 // render_budget_records.c. Before the render begins, options_quality.c has set the options by
 // effort and quality.
 #include "render/render_budget.h"
+#include <stdio.h>
+#include <stdlib.h>
 
 #include "render/render_image.h"
 
@@ -350,6 +352,23 @@ static double fitting_samples(const struct render *r, double sample_seconds) {
     const double fit = image_seconds(r) / sample_seconds;
     if (fit < PASS_LEAST * pixels) return 0.0;
     return fit > 2.0 * pixels ? 0.5 * fit : fit;
+}
+
+// Where fewer samples per pixel than LIGHTS_SPP fit, each has fewer light samples so that as many
+// fit, as far as LIGHTS_FEWEST allows: with less the variance by one of them is not known. Pixels
+// of one sample have no noise to go by, and their edges are ragged. At 1 CPU second six scenes of
+// 200x200, where .9 to 2 samples fit, have .72 times the error (geometric mean, three seeds). At 2
+// seconds, where 2 to 3.6 fit, fewer light samples leave .96 of it, but 1.2 and 1.4 times in
+// indirect-room. A sample without direct light takes LIGHTS_REST of the time of one with 8 light
+// samples in bathroom.
+static const double LIGHTS_SPP = 2.0, LIGHTS_FEWEST = 2.0, LIGHTS_REST = 0.5;
+
+uint32_t render_budget_lights(const struct render *r, double sample_seconds) {
+    const double pixels = (double)r->options.width * (double)r->options.height;
+    const double samples = image_seconds(r) / sample_seconds / pixels;
+    const double all = (double)r->options.light_samples;
+    const double fraction = (samples / LIGHTS_SPP - LIGHTS_REST) / (1.0 - LIGHTS_REST);
+    return (uint32_t)fmax(fmin(all * fraction, all), fmin(all, LIGHTS_FEWEST));
 }
 
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds) {

@@ -243,6 +243,9 @@ void render_budget_bounce(satin_options *options, int bounce);
 enum { RENDER_TIMED_SPP = 1 << 20 };
 // The distance of the pixels with the first samples of an image, a power of two.
 int render_budget_first_stride(int width, int height);
+// The light samples of each of the first samples, if one with those of the options takes so many
+// seconds.
+uint32_t render_budget_lights(const struct render *r, double sample_seconds);
 // Samples per pixel that are distributed equally.
 uint32_t render_budget_equal_samples(const satin_options *options);
 // The number of samples of all pixels in the next pass, after `done` samples, if one takes

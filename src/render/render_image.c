@@ -6,9 +6,14 @@
 // (render_film.c).
 #include "render/render_image.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/array.h"
+
+// The coarse pass that shows the speed of samples, by its stride: one of a sixteenth of the pixels
+// at most. The first ones are slower, as nothing is in the caches of the processor.
+enum { LIGHTS_STRIDE = 4 };
 
 // While the film is made, it grows by what the sums of the pixels shrink.
 double render_image_bytes(const struct satin_scene *scene, const satin_options *options,
@@ -140,6 +145,22 @@ static void plan_samples(struct render *r) {
     render_adaptive_lights(&r->image->adapt, render_budget_sample_cost(&r->image->counts));
 }
 
+// The number of pixels that a coarse pass with this stride samples, with those before.
+static uint64_t coarse_pixels(const struct render_image *image, int stride) {
+    return (uint64_t)((image->width + stride - 1) / stride) *
+           (uint64_t)((image->height + stride - 1) / stride);
+}
+
+// Where little time is left, by that of the coarse pass with this stride, the first samples have
+// fewer light samples.
+static void plan_first_lights(struct render *r, int stride, double seconds) {
+    struct render_image *image = r->image;
+    const uint64_t samples = coarse_pixels(image, stride) - coarse_pixels(image, 2 * stride);
+    const double each = fmax(seconds / (double)samples, 1e-9);
+    if (!r->second_pass.lights_chosen)
+        render_adaptive_direct(&image->adapt, render_budget_lights(r, each));
+}
+
 // Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
 // light can follow; and if the time is short, of all pixels, coarse to fine. False if that was
 // stopped early.
@@ -150,10 +171,14 @@ static bool take_first_samples(struct image_pass *pass) {
     bool whole = true;
     if (r->progress.course == COURSE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
+        const double start = stats_wall();
         parallel_begin_part(r->pool, "plan");
         render_adaptive_equal(&r->image->adapt, stride, 1);
         whole = render_pass_run(pass);
         render_limit_restore(r, limit);
+        const double seconds = render_agreed(r, stats_wall() - start);
+        if (whole && r->options.time > 0.0 && stride == r->image->coarsest / LIGHTS_STRIDE)
+            plan_first_lights(r, stride, seconds);
         if (!short_of_time) break;
     }
     if (short_of_time && whole)

@@ -67,6 +67,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     r->first_pass.wanted = o->photons;
     r->first_pass.photons_chosen = !options_quality_chooses_photons(o);
     r->first_pass.caustics_chosen = !options_quality_chooses_caustics(o);
+    r->second_pass.lights_chosen = !options_quality_chooses_lights(o);
     if (o->time > 0.0)
         options_quality_seconds(o, render_core_seconds(r), (double)o->width * (double)o->height);
     o->spp = resolve_value(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));

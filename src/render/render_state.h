@@ -103,6 +103,7 @@ struct render_second_pass {
     struct cache *cache;
     struct fill *fill;  // makes the records of the cache
     struct shade shade;
+    bool lights_chosen;       // whether the number of light samples was given
     char *file_bytes;         // contents of the caller's file of records, or NULL
     size_t file_size;         // number of its bytes
     struct cache_file *file;  // its records

@@ -11,20 +11,7 @@
 
 #include <cmocka.h>
 
-#include "render/render_state.h"
-
-// A render of 100x100 pixels that began now, so that all but milliseconds of its time are left.
-static struct render render_budget_make(double time) {
-    struct render r = {.options = {.time = time,
-                                   .width = 100,
-                                   .height = 100,
-                                   .spp = time > 0.0 ? 1 << 20 : 36,
-                                   .adaptive_sampling = true}};
-    r.progress = (struct render_progress){.start = stats_wall(), .deadline = INFINITY};
-    r.pool = parallel_new(1);
-    assert_non_null(r.pool);
-    return r;
-}
+#include "budget_case.h"
 
 static double image_limit(struct render *r) {
     render_limit_image(r);
@@ -33,7 +20,7 @@ static double image_limit(struct render *r) {
 
 static void no_limit_ends_nothing(void **state) {
     (void)state;
-    struct render r = render_budget_make(0.0);
+    struct render r = budget_case(0.0);
     render_limit_photon_pilot(&r);
     assert_true(render_time_remains(&r));
     render_limit_tables(&r);
@@ -51,7 +38,7 @@ static void no_limit_ends_nothing(void **state) {
 
 static void steps_end_in_their_order(void **state) {
     (void)state;
-    struct render r = render_budget_make(1000.0);
+    struct render r = budget_case(1000.0);
     render_limit_tables(&r);
     const double tables = r.progress.deadline;
     render_limit_records(&r, NULL);
@@ -69,7 +56,7 @@ static void steps_end_in_their_order(void **state) {
 
 static void the_pilot_takes_a_tenth_at_most(void **state) {
     (void)state;
-    const struct render r = render_budget_make(1000.0);
+    const struct render r = budget_case(1000.0);
     assert_int_equal(render_budget_pilot(&r, 0.0), 0);
     assert_int_equal(render_budget_pilot(&r, 1e6), RENDER_PILOT_SIDE);
     // There is time for some 400 pixels.
@@ -80,7 +67,7 @@ static void the_pilot_takes_a_tenth_at_most(void **state) {
 
 static void a_limit_that_is_over_is_no_cancellation(void **state) {
     (void)state;
-    struct render r = render_budget_make(1000.0);
+    struct render r = budget_case(1000.0);
     r.progress.deadline = 0.0;
     assert_false(render_time_remains(&r));
     assert_int_equal(render_limit_end(&r, SATIN_CANCELLED), SATIN_OK);
@@ -93,7 +80,7 @@ static void a_limit_that_is_over_is_no_cancellation(void **state) {
 
 static void photons_fit_into_the_time_or_are_left_out(void **state) {
     (void)state;
-    const struct render r = render_budget_make(1000.0);
+    const struct render r = budget_case(1000.0);
     const double first = render_budget_first_photons();
     assert_true(first > 0.0 && first < 0.1);
     struct render_photon_counts few = render_budget_photons(&r, 480, 4.0, 0.0);
@@ -116,7 +103,7 @@ static void photons_fit_into_the_time_or_are_left_out(void **state) {
 // Photons of integrators photons and sppm, however many there are and however short the time.
 static void photons_that_nothing_replaces_fit(void **state) {
     (void)state;
-    struct render r = render_budget_make(1000.0);
+    struct render r = budget_case(1000.0);
     satin_options *o = &r.options;
     o->photons = 999000000;
     o->caustic_photons = 1000000;
@@ -282,7 +269,7 @@ static void starved_maps_alone_are_made_again(void **state) {
 // The noise of the image falls faster than the error of records: with more cores records get more.
 static void records_get_the_time_that_the_pilot_suggests(void **state) {
     (void)state;
-    struct render r = render_budget_make(1000.0);
+    struct render r = budget_case(1000.0);
     const struct render_pace even = {
         .rays = 1e5, .samples = 1e5, .variance = 1.0, .indirect2 = 0.5};
     struct render_pace other = even;
@@ -307,7 +294,7 @@ static void records_get_the_time_that_the_pilot_suggests(void **state) {
 // longer, and in no case is more planned than without any measurement.
 static void first_records_leave_time_for_noisy_direct_light(void **state) {
     (void)state;
-    struct render r = render_budget_make(1000.0);
+    struct render r = budget_case(1000.0);
     struct render_pace pace = {.rays = 1e5, .samples = 1e5, .direct = 1e6, .indirect2 = 0.5};
     render_limit_records(&r, NULL);
     const double planned = render_budget_first_round(&r), limit = r.progress.deadline;
@@ -326,114 +313,11 @@ static void first_records_leave_time_for_noisy_direct_light(void **state) {
     parallel_free(r.pool);
 }
 
-static void passes_grow_until_little_is_left(void **state) {
-    (void)state;
-    struct render r = render_budget_make(1000.0);
-    const uint64_t pixels = 10000, done = 64 * pixels;
-    assert_int_equal(render_budget_pass(&r, done, 1.0), 0);  // a tenth of a sample per pixel
-    const uint64_t few = render_budget_pass(&r, done, 0.5);
-    assert_true(few > 999 && few < 2 * pixels);
-    const uint64_t many = render_budget_pass(&r, done, 0.001);
-    assert_true(many > 490000 && many < 501000);
-    assert_int_equal(render_budget_pass(&r, done, 1e-9), done);
-    // Some pixels get the second of their equal samples, also if all samples are equal.
-    for (int adaptive = 1; adaptive >= 0; adaptive--) {
-        r.options.adaptive_sampling = adaptive;
-        assert_int_equal(render_budget_pass(&r, pixels, 0.06), pixels);
-        const uint64_t some = render_budget_pass(&r, pixels, 0.5);
-        assert_true(some > 1500 && some < 2500);
-        assert_int_equal(render_budget_pass(&r, pixels, 1.0), 0);
-    }
-    // A pass of sppm has one sample of each.
-    r.options.integrator = SATIN_SPPM;
-    assert_int_equal(render_budget_pass(&r, pixels, 0.06), pixels);
-    assert_int_equal(render_budget_pass(&r, pixels, 0.5), 0);
-    parallel_free(r.pool);
-}
-
-// Counts the samples of all passes of a render without a time limit, whose equal samples come
-// first.
-static void check_passes(const struct render *r, uint64_t equal) {
-    const uint64_t pixels = 10000, all = (uint64_t)r->options.spp * pixels;
-    uint64_t done = 0, more;
-    assert_int_equal(render_budget_equal_samples(&r->options), equal);
-    while ((more = render_budget_pass(r, done, 1e9)) > 0) {
-        assert_true(more <= (done > pixels ? done : pixels));
-        if (done < equal * pixels) assert_true(more % pixels == 0 && done + more <= equal * pixels);
-        done += more;
-    }
-    assert_int_equal(done, all);
-}
-
-static void passes_take_what_the_options_say(void **state) {
-    (void)state;
-    struct render r = render_budget_make(0.0);
-    check_passes(&r, 9);
-    r.options.spp = 6;
-    check_passes(&r, 2);
-    r.options.spp = 3;
-    check_passes(&r, 3);
-    r.options.spp = 36;
-    r.options.adaptive_sampling = false;
-    check_passes(&r, 36);
-    r.options.adaptive_sampling = true;
-    r.options.integrator = SATIN_PATH;
-    check_passes(&r, 36);
-    parallel_free(r.pool);
-}
-
-static void first_samples_are_few(void **state) {
-    (void)state;
-    for (int width = 1; width < 100000; width *= 3)
-        for (int height = 1; height < 20000; height *= 3) {
-            const int stride = render_budget_first_stride(width, height);
-            assert_true(stride >= 16 && (stride & (stride - 1)) == 0);
-            assert_true((width / stride) * (height / stride) <= 256);
-            assert_true(stride == 16 || (2 * width / stride) * (2 * height / stride) > 256);
-        }
-}
-
-static void rays_at_rims_are_a_fraction_of_the_samples(void **state) {
-    (void)state;
-    const size_t pixels = 1 << 16;
-    // Most rays of a pixel, by samples per pixel or core seconds.
-    static const struct {
-        int spp;
-        double core_seconds;
-        uint32_t most;
-    } row[] = {{1, 0.0, 128},    {9, 0.0, 256}, {16, 0.0, 512}, {36, 0.0, 1024},
-               {512, 0.0, 1024}, {9, 0.5, 128}, {9, 4.0, 512},  {9, 1e9, 1024}};
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
-        satin_options o = satin_options_default;
-        o.spp = row[i].spp;
-        o.time = row[i].core_seconds > 0.0 ? 1.0 : 0.0;
-        for (size_t rims = 1; rims <= pixels; rims *= 2) {
-            const double fraction = (double)rims / (double)pixels;
-            struct render_rim_rays known = {.fraction = fraction, .first = 4};
-            const uint32_t rays = render_budget_rim_rays(&o, row[i].core_seconds, &known);
-            assert_true(rays > 0 && (rays & (rays - 1)) == 0);
-            assert_true(rays * rims <= 16 * pixels);
-            assert_true(rays == row[i].most || 2 * rays * rims > 16 * pixels);
-            known.seconds = 1e-4 * (double)rims;
-            const uint32_t fit = render_budget_rim_rays(&o, row[i].core_seconds, &known);
-            const double most = o.time > 0.0 ? 0.05 * row[i].core_seconds : INFINITY;
-            assert_true(fit * known.seconds <= most && fit <= rays);
-            assert_true(fit == rays || 2.0 * (fit + 0.5) * known.seconds > most);
-            known = (struct render_rim_rays){.fraction = fraction, .first = 1, .late = true};
-            const uint32_t late = render_budget_rim_rays(&o, row[i].core_seconds, &known);
-            assert_true(late > 0 && late <= rays && late * rims <= 2 * pixels);
-        }
-        // Where all pixels have many rays, those at rims have at least as many.
-        const struct render_rim_rays all = {.fraction = 1.0, .first = 32};
-        assert_true(render_budget_rim_rays(&o, row[i].core_seconds, &all) == 64);
-    }
-}
-
 // Paths replace two passes where a pixel would have less than 2 samples, unless records are kept
 // in a file.
 static void few_samples_lead_to_paths(void **state) {
     (void)state;
-    struct render r = render_budget_make(10.0);
+    struct render r = budget_case(10.0);
     r.options.integrator = SATIN_TWO_PASS;
     assert_true(render_budget_traces_paths(&r, 1900.0));
     assert_false(render_budget_traces_paths(&r, 2100.0));
@@ -452,7 +336,7 @@ static void counts_do_not_wrap_at_32_bits(void **state) {
     const struct photon_paths paths = render_budget_paths(&many, 0.0);
     assert_true(paths.global == billions && paths.caustic == billions - 1);
     assert_true(render_fraction((int64_t)billions, 0.5) == (int64_t)(billions / 2));
-    struct render r = render_budget_make(0.0);
+    struct render r = budget_case(0.0);
     r.options.integrator = SATIN_PATH;
     r.options.width = r.options.height = 1 << 13;
     r.options.spp = 1 << 20;
@@ -489,10 +373,6 @@ int main(void) {
         cmocka_unit_test(starved_maps_alone_are_made_again),
         cmocka_unit_test(records_get_the_time_that_the_pilot_suggests),
         cmocka_unit_test(first_records_leave_time_for_noisy_direct_light),
-        cmocka_unit_test(passes_grow_until_little_is_left),
-        cmocka_unit_test(passes_take_what_the_options_say),
-        cmocka_unit_test(first_samples_are_few),
-        cmocka_unit_test(rays_at_rims_are_a_fraction_of_the_samples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
