@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads images for textures and environments as linear floats: PNG files by libpng, all others by
-// the module on OpenImageIO, which is found and opened here.
+// Reads images for textures and environments as linear floats: PNG files by libpng, JPEG files by
+// libjpeg, all others by the module on OpenImageIO, which is found and opened here.
 #include <dlfcn.h>
 #include <stdlib.h>
 
@@ -199,8 +199,11 @@ static satin_status load_any_image(const struct load_source *source, struct load
     if (status != SATIN_OK) return status;
     const bool alpha = kind.single && kind.channel == LOAD_IMAGE_ALPHA;
     struct image_data file = {source->path, data, size, alpha};
-    if (load_image_is_png(&file)) {
-        status = read_image(source, images, &load_image_png, &file, kind, out);
+    const struct image_reader *own = load_image_is_png(&file)    ? &load_image_png
+                                     : load_image_is_jpeg(&file) ? &load_image_jpeg
+                                                                 : NULL;
+    if (own) {
+        status = read_image(source, images, own, &file, kind, out);
         free(data);
         return status;
     }

@@ -10,7 +10,8 @@ import subprocess
 Site = collections.namedtuple("Site", "count stack own")
 
 # Modules that pass on what others ask for.
-PASSING = re.compile(r"libstdc\+\+|libc\.so|libm\.so|libz\.so|libexpat\.so|libpng|libOpenEXRCore")
+PASSING = re.compile(
+    r"libstdc\+\+|libc\.so|libm\.so|libz\.so|libexpat\.so|libpng|libjpeg|libOpenEXRCore")
 
 
 class Stacks:
