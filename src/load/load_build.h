@@ -64,6 +64,7 @@ struct mesh_request {
     struct attribute_names attributes;  // to be kept if the file has them
     const char *const *material;        // OBJ: names of materials, each once; their faces are
     size_t material_count;              // meshes of their own
+    bool others;                        // whether faces of other materials are expected
 };
 
 // Reads a mesh and transforms it to world space. If the file has no normals, smooth ones are

@@ -32,6 +32,7 @@ struct obj {
     size_t index_count, index_capacity;
     size_t *material;  // of each triangle, if the request has materials: index, or their number
     size_t material_capacity, current_material;
+    uint32_t *vertex;  // of each corner in the mesh of a material, from 1; 0: it has none
     uint32_t *slot;  // hash table of corners: vertex + 1, or 0 if empty; its size is a power of two
     size_t slot_count;
 };
@@ -43,6 +44,7 @@ static void obj_free(struct obj *obj) {
     free(obj->corner);
     free(obj->index);
     free(obj->material);
+    free(obj->vertex);
     free(obj->slot);
 }
 
@@ -196,6 +198,10 @@ static void read_usemtl(struct obj *obj) {
     while (i < obj->request->material_count &&
            !load_mesh_text_is(name, (size_t)(end - name), obj->request->material[i]))
         i++;
+    if (i == obj->request->material_count && i > 0 && !obj->request->others)
+        log_warning_at(obj->source->log, (struct log_place){obj->source->path, obj->text.line, 0},
+                       "there is no material '%.*s': its faces are grey",
+                       (int)(end - name < 200 ? end - name : 200), name);
     obj->current_material = i;
 }
 
@@ -221,45 +227,59 @@ static satin_status read_obj_lines(struct obj *obj) {
 }
 
 // The triangles of a material, in the order of the file: all, if the request has no materials.
-// `vertex` is the index in the mesh + 1 for each corner that they use, else 0.
 struct obj_selection {
-    uint32_t *index, *vertex;
+    uint32_t *index;   // 3 vertices per triangle
+    uint32_t *corner;  // of each vertex, in order of first use
     size_t index_count, vertex_count;
 };
 
-static bool select_triangles(const struct obj *obj, size_t material, struct obj_selection *out) {
-    out->index = malloc(obj->index_count * sizeof *out->index);
-    out->vertex = calloc(obj->corner_count, sizeof *out->vertex);
-    if (!out->index || !out->vertex) return false;
-    for (size_t i = 0; i < obj->index_count; i++) {
-        if (obj->material && obj->material[i / 3] != material) continue;
-        uint32_t *vertex = &out->vertex[obj->index[i]];
-        if (!*vertex) *vertex = (uint32_t)++out->vertex_count;
-        out->index[out->index_count++] = *vertex - 1;
+// Divides the triangles by their materials. `first` has the place of the first one of each in
+// `triangle`, and their number at its end.
+static void order_triangles(const struct obj *obj, size_t *first, uint32_t *triangle) {
+    const size_t count = obj->index_count / 3, meshes = obj->request->material_count + 1;
+    for (size_t i = 0; i < count; i++) first[obj->material ? obj->material[i] : 0]++;
+    for (size_t m = meshes, end = count; m-- > 0; first[m] = end) end -= first[m];
+    first[meshes] = count;
+    for (size_t i = 0; i < count; i++)
+        triangle[first[obj->material ? obj->material[i] : 0]++] = (uint32_t)i;
+    for (size_t m = meshes; m-- > 1;) first[m] = first[m - 1];
+    first[0] = 0;
+}
+
+static bool select_triangles(const struct obj *obj, const uint32_t *triangle, size_t count,
+                             struct obj_selection *out) {
+    out->index = malloc(3 * count * sizeof *out->index);
+    out->corner = malloc(3 * count * sizeof *out->corner);
+    if (!out->index || !out->corner) return false;
+    for (size_t i = 0; i < 3 * count; i++) {
+        const uint32_t corner = obj->index[3 * (size_t)triangle[i / 3] + i % 3];
+        if (!obj->vertex[corner]) {
+            out->corner[out->vertex_count++] = corner;
+            obj->vertex[corner] = (uint32_t)out->vertex_count;
+        }
+        out->index[out->index_count++] = obj->vertex[corner] - 1;
     }
+    for (size_t i = 0; i < out->vertex_count; i++) obj->vertex[out->corner[i]] = 0;
     return true;
 }
 
 static satin_status assemble_obj(const struct obj *obj, const struct obj_selection *selection,
                                  struct raw_mesh *out) {
     bool normals = false, uvs = false;
-    for (size_t i = 0; i < obj->corner_count; i++) {
-        normals = normals || (selection->vertex[i] && obj->corner[i].normal >= 0);
-        uvs = uvs || (selection->vertex[i] && obj->corner[i].uv >= 0);
+    for (size_t i = 0; i < selection->vertex_count; i++) {
+        normals = normals || obj->corner[selection->corner[i]].normal >= 0;
+        uvs = uvs || obj->corner[selection->corner[i]].uv >= 0;
     }
     satin_status status =
         load_mesh_allocate(obj->source, (uint32_t)selection->vertex_count, normals, uvs, out);
     if (status != SATIN_OK) return status;
-    for (size_t i = 0; i < obj->corner_count; i++) {
-        const struct obj_corner c = obj->corner[i];
-        if (!selection->vertex[i]) continue;
-        const size_t to = selection->vertex[i] - 1;
-        memcpy(out->position + to * 3, obj->position.value + (size_t)c.position * 3,
+    for (size_t i = 0; i < selection->vertex_count; i++) {
+        const struct obj_corner c = obj->corner[selection->corner[i]];
+        memcpy(out->position + i * 3, obj->position.value + (size_t)c.position * 3,
                3 * sizeof(float));
-        if (c.uv >= 0)
-            memcpy(out->uv + to * 2, obj->uv.value + (size_t)c.uv * 2, 2 * sizeof(float));
+        if (c.uv >= 0) memcpy(out->uv + i * 2, obj->uv.value + (size_t)c.uv * 2, 2 * sizeof(float));
         if (c.normal >= 0)
-            memcpy(out->normal + to * 3, obj->normal.value + (size_t)c.normal * 3,
+            memcpy(out->normal + i * 3, obj->normal.value + (size_t)c.normal * 3,
                    3 * sizeof(float));
     }
     out->triangle_count = (uint32_t)(selection->index_count / 3);
@@ -269,20 +289,37 @@ static satin_status assemble_obj(const struct obj *obj, const struct obj_selecti
     return SATIN_OK;
 }
 
-// Makes the mesh of a material.
-static satin_status finish_obj(const struct obj *obj, size_t material, struct mesh *out) {
+// Makes the mesh of some triangles.
+static satin_status finish_obj_mesh(const struct obj *obj, const uint32_t *triangle, size_t count,
+                                    struct mesh *out) {
     struct obj_selection selection = {0};
     struct raw_mesh raw;
-    satin_status status = SATIN_OK;
-    *out = (struct mesh){0};
-    if (!select_triangles(obj, material, &selection))
-        status = load_mesh_no_memory(obj->source);
-    else if (selection.index_count)
-        status = assemble_obj(obj, &selection, &raw);
-    if (status == SATIN_OK && selection.index_count)
-        status = load_mesh_finish(obj->source, obj->request, &raw, out);
+    satin_status status = select_triangles(obj, triangle, count, &selection)
+                              ? assemble_obj(obj, &selection, &raw)
+                              : load_mesh_no_memory(obj->source);
     free(selection.index);
-    free(selection.vertex);
+    free(selection.corner);
+    return status == SATIN_OK ? load_mesh_finish(obj->source, obj->request, &raw, out) : status;
+}
+
+// Makes the mesh of each material.
+static satin_status finish_obj(struct obj *obj, struct mesh *out) {
+    const size_t meshes = obj->request->material_count + 1;
+    size_t *first = calloc(meshes + 1, sizeof *first);
+    uint32_t *triangle = malloc(obj->index_count / 3 * sizeof *triangle);
+    obj->vertex = calloc(obj->corner_count, sizeof *obj->vertex);
+    satin_status status = SATIN_OK;
+    if (first && triangle && obj->vertex)
+        order_triangles(obj, first, triangle);
+    else
+        status = load_mesh_no_memory(obj->source);
+    for (size_t m = 0; m < meshes && status == SATIN_OK; m++) {
+        out[m] = (struct mesh){0};
+        const size_t count = first[m + 1] - first[m];
+        if (count) status = finish_obj_mesh(obj, triangle + first[m], count, &out[m]);
+    }
+    free(first);
+    free(triangle);
     return status;
 }
 
@@ -299,8 +336,7 @@ satin_status load_mesh_obj(const struct load_source *source, const struct mesh_r
     status = read_obj_lines(&obj);
     if (status == SATIN_OK && obj.index_count == 0)
         status = load_mesh_error(source, 0, "there is no face in it");
-    for (size_t i = 0; i <= request->material_count && status == SATIN_OK; i++)
-        status = finish_obj(&obj, i, &out[i]);
+    if (status == SATIN_OK) status = finish_obj(&obj, out);
     obj_free(&obj);
     free(data);
     return status;

@@ -217,7 +217,11 @@ satin_status load_mitsuba06_respell(struct log log, struct arena *arena, struct 
     *keep = true;
     node->mitsuba06 = true;
     if (load_xml_is_object(node->tag) && node->type) node->type = plugin_name(node);
-    if (node->name && !(node->name = snake_case(arena, node->name))) return SATIN_ERROR_MEMORY;
+    // The BRDFs of an OBJ have the names of its materials.
+    const bool material =
+        is_element(parent, XML_SHAPE, NULL) && (node->tag == XML_BSDF || node->tag == XML_REF);
+    if (node->name && !material && !(node->name = snake_case(arena, node->name)))
+        return SATIN_ERROR_MEMORY;
     if ((is_element(parent, XML_BSDF, "diffuse") || is_element(parent, XML_BSDF, "roughdiffuse")) &&
         node->name && strcmp(node->name, "diffuse_reflectance") == 0)
         node->name = "reflectance";

@@ -168,6 +168,8 @@ extern const char *const load_transport[];
 
 // Whether satin reads the plugin of an object.
 bool load_plugin_known(const struct xml_node *node);
+// Corrects the type of an element that differs from a known one in case only, with a warning.
+void load_plugin_correct_case(struct log log, struct xml_node *node);
 // Whether Mitsuba has the plugin of an object and satin does not read it.
 bool load_plugin_unread(const struct xml_node *node);
 // The word for an object in messages: BRDF, shape, ...

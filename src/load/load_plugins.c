@@ -96,6 +96,27 @@ static const struct plugin_spec *find_named(const struct xml_node *node, const c
     return NULL;
 }
 
+// The name of the plugin that the element means if its case does not count, or NULL.
+static const char *find_by_any_case(const struct xml_node *node) {
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++) {
+            if (plugin->tag != node->tag) continue;
+            if (strcasecmp(plugin->name, node->type) == 0) return plugin->name;
+            for (const char *const *name = load_transport; plugin->lenient && *name; name++)
+                if (strcasecmp(*name, node->type) == 0) return *name;
+        }
+    return NULL;
+}
+
+void load_plugin_correct_case(struct log log, struct xml_node *node) {
+    if (!load_xml_is_object(node->tag) || node->tag == XML_SCENE || !node->type) return;
+    const char *known = load_plugin_known(node) ? NULL : find_by_any_case(node);
+    if (!known) return;
+    log_warning_at(log, node->place, "unknown %s '%s', which is read as '%s'",
+                   load_plugin_noun(node->tag), node->type, known);
+    node->type = known;
+}
+
 bool load_plugin_known(const struct xml_node *node) { return find_named(node, node->type) != NULL; }
 
 const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node *node) {
@@ -103,7 +124,6 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
     if (plugin) return plugin;
     const char *noun = load_plugin_noun(node->tag), *nearest = nearest_name(node);
     const char *plain = substitute_type(node->tag);
-    if (nearest && strcasecmp(nearest, node->type) == 0) plain = nearest;
     if (load_plugin_unread(node)) {
         log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);
     } else if (plain) {

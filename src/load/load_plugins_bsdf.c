@@ -309,25 +309,19 @@ static satin_status set_outside(struct load_state *loader, const struct params *
     return SATIN_OK;
 }
 
-// Checks that no path gains light, because such paths would not end. Without textures the sum of
-// the reflectances is scaled below 1, with Mitsuba 0.6's margin.
+// Scales the reflectances so that their sum, that of means of textures, is below 1, with Mitsuba
+// 0.6's margin: paths that gain light would not end.
 static satin_status check_glossy_albedo(struct load_state *loader, const struct params *p,
                                         struct material_side *side) {
     float most = rgb_max(rgb_add(side->base.diffuse, side->base.specular));
     if (most <= 1.0001f) return SATIN_OK;
-    if (!side->slot[BRDF_SLOT_DIFFUSE] && !side->slot[BRDF_SLOT_SPECULAR]) {
-        const float scale = ALBEDO_MOST / most;
-        side->base.diffuse = rgb_scale(side->base.diffuse, scale);
-        side->base.specular = rgb_scale(side->base.specular, scale);
-        log_warning_at(loader->log, p->node->place,
-                       "diffuse_reflectance and specular_reflectance sum to %g, which is over 1; "
-                       "both are scaled by %.3g",
-                       (double)most, (double)scale);
-        return SATIN_OK;
-    }
-    log_error_at(loader->log, p->node->place,
-                 "diffuse_reflectance and specular_reflectance sum to %g, which is over 1", most);
-    return SATIN_ERROR_INPUT;
+    const float scale = ALBEDO_MOST / most;
+    log_warning_at(loader->log, p->node->place,
+                   "diffuse_reflectance and specular_reflectance sum to %g, which is over 1; "
+                   "both are scaled by %.3g",
+                   (double)most, (double)scale);
+    const satin_status status = load_bsdf_scale(loader, side, BRDF_SLOT_DIFFUSE, scale);
+    return status == SATIN_OK ? load_bsdf_scale(loader, side, BRDF_SLOT_SPECULAR, scale) : status;
 }
 
 static satin_status build_diffuse(struct load_state *loader, const struct params *p, void *object) {

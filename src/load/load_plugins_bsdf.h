@@ -20,6 +20,9 @@ float load_bsdf_roughness(struct load_state *loader, const struct param_value *v
 // Sets the diffuse and the specular factor that many BRDFs have, and their rows of a table.
 satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct params *p,
                                         struct material_side *side);
+// Multiplies a reflectance, or its texture, by a number.
+satin_status load_bsdf_scale(struct load_state *loader, struct material_side *side,
+                             enum brdf_slot slot, float by);
 extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
 // load_plugins_bsdf.c
 extern const struct param_spec bsdf_glass_ior, bsdf_ext_ior, bsdf_distribution, bsdf_constant_alpha,

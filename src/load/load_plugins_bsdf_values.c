@@ -59,3 +59,15 @@ satin_status load_bsdf_set_reflectances(struct load_state *loader, const struct 
     return load_bsdf_set_color(loader, load_param(p, "specular_reflectance"), side,
                                BRDF_SLOT_SPECULAR);
 }
+
+satin_status load_bsdf_scale(struct load_state *loader, struct material_side *side,
+                             enum brdf_slot slot, float by) {
+    rgb *mean = brdf_color(&side->base, slot);
+    *mean = rgb_scale(*mean, by);
+    if (!side->slot[slot]) return SATIN_OK;
+    struct texture *scaled = arena_alloc(&loader->scene->arena, sizeof *scaled);
+    if (!scaled) return load_no_memory(loader);
+    load_texture_scale(side->slot[slot], rgb_grey(by), scaled);
+    side->slot[slot] = scaled;
+    return SATIN_OK;
+}

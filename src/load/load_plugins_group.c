@@ -68,7 +68,7 @@ static satin_status add_group(struct load_state *loader, const struct params *p)
 static satin_status add_instance(struct load_state *loader, const struct params *p) {
     if (loader->open_group) return load_refuse(loader, p, "it cannot be part of a group");
     struct xml_node *at = NULL, *group = load_params_child(&loader->xml, p->node, XML_SHAPE, &at);
-    if (!group && loader->lenient) return SATIN_OK;  // its <ref> leads nowhere
+    if (!group && load_ref_missing(loader, p->node)) return SATIN_OK;
     if (!group || load_params_child(&loader->xml, p->node, XML_SHAPE, &at) ||
         strcmp(group->type, "shapegroup") != 0)
         return load_refuse(loader, p, "it takes one shapegroup");

@@ -23,6 +23,7 @@ static satin_status default_material(struct load_state *loader, enum plain_mater
     out->front.index = loader->scene->side_count++;
     out->front.base.model = brdf_find(plain == PLAIN_NULL ? "null" : "diffuse");
     out->front.base.diffuse = rgb_grey(plain == PLAIN_GREY ? 0.5f : 0.0f);
+    out->front.base.transmittance = rgb_grey(1.0f);  // of PLAIN_NULL
     if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
         return load_no_memory(loader);
     out->back = out->front;
@@ -40,7 +41,7 @@ static satin_status build_nested(struct load_state *loader, const struct params 
         n++;
     }
     // Each <ref> that leads nowhere is a grey one.
-    for (; loader->lenient && n < least; n++) {
+    for (; n < least && load_ref_missing(loader, p->node); n++) {
         satin_status status = default_material(loader, PLAIN_GREY, &out[n]);
         if (status != SATIN_OK) return status;
     }

@@ -170,17 +170,18 @@ static satin_status read_meshes(struct load_state *loader, const struct params *
 }
 
 satin_status load_shape_obj(struct load_state *loader, const struct params *p,
-                            const char *const *material, size_t count, struct shape *shape,
+                            const struct obj_materials *materials, struct shape *shape,
                             struct mesh *out) {
     struct mesh_request request = request_of(p);
-    request.material = material;
-    request.material_count = count;
+    request.material = materials->name;
+    request.material_count = materials->count;
+    request.others = materials->others;
     return read_meshes(loader, p, request, load_mesh_obj, shape, out);
 }
 
 static satin_status build_obj(struct load_state *loader, const struct params *p, void *object) {
     struct shape *shape = object;
-    return load_shape_obj(loader, p, NULL, 0, shape, &shape->mesh);
+    return load_shape_obj(loader, p, &(struct obj_materials){0}, shape, &shape->mesh);
 }
 
 static satin_status build_ply(struct load_state *loader, const struct params *p, void *object) {

@@ -9,10 +9,16 @@
 // Parameters that shapes have in common (load_plugins_shape.c).
 extern const struct param_spec load_shape_to_world, load_shape_flip_normals;
 
+// Names of materials of an OBJ.
+struct obj_materials {
+    const char *const *name;
+    size_t count;
+    bool others;  // whether faces of other materials are expected
+};
 // Reads the meshes of an OBJ's materials, and one of all other faces: count + 1. Sets whether the
 // shape has facets.
 satin_status load_shape_obj(struct load_state *loader, const struct params *p,
-                            const char *const *material, size_t count, struct shape *shape,
+                            const struct obj_materials *materials, struct shape *shape,
                             struct mesh *out);
 
 // Adds to the element of an OBJ without a BRDF, for each material of the files that it names, a

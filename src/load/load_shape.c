@@ -55,6 +55,15 @@ static satin_status want_attributes(struct load_state *loader, const struct para
     return load_refuse(loader, p, "its textures refer to more than 8 mesh attributes");
 }
 
+static satin_status check_attributes(struct load_state *loader, const struct params *p,
+                                     const struct mesh *mesh) {
+    const char *missing = load_attribute_missing(&loader->wanted, mesh);
+    if (!missing) return SATIN_OK;
+    log_error_at(loader->log, p->node->place, "shape '%s' has no attribute '%s' for its texture",
+                 p->plugin->name, missing);
+    return SATIN_ERROR_INPUT;
+}
+
 // Reads or makes the surface, with its attributes. *left_out is set to whether its file is spared.
 static satin_status build_surface(struct load_state *loader, const struct params *p,
                                   struct shape *shape, bool *left_out) {
@@ -64,11 +73,7 @@ static satin_status build_surface(struct load_state *loader, const struct params
     if (status == SATIN_OK) status = p->plugin->build(loader, p, shape);
     *left_out = load_spare_end(loader, &spared, &status);
     if (*left_out) return SATIN_OK;
-    const char *missing = load_attribute_missing(&loader->wanted, &shape->mesh);
-    if (status != SATIN_OK || !missing) return status;
-    log_error_at(loader->log, p->node->place, "shape '%s' has no attribute '%s' for its texture",
-                 p->plugin->name, missing);
-    return SATIN_ERROR_INPUT;
+    return status == SATIN_OK ? check_attributes(loader, p, &shape->mesh) : status;
 }
 
 // The shape of an element, as yet without a surface.
@@ -156,6 +161,8 @@ static satin_status add_obj_mesh(struct load_state *loader, const struct params 
     char name[256];
     if (!shape.mesh.triangle_count) return SATIN_OK;
     satin_status status = load_material_of(loader, brdf, PLAIN_GREY, &shape.material);
+    if (status == SATIN_OK) status = want_attributes(loader, p, &shape);
+    if (status == SATIN_OK) status = check_attributes(loader, p, &shape.mesh);
     if (status != SATIN_OK || load_pose_gone(loader, p->node)) return status;
     snprintf(name, sizeof name, "%.127s-%.127s", shape.name, material ? material : "other");
     shape.name = load_keep_text(loader, name);
@@ -171,9 +178,10 @@ static satin_status add_obj(struct load_state *loader, const struct params *p, s
     if (status != SATIN_OK) return status;
     struct mesh *mesh = arena_array(&loader->scene->arena, brdfs.count + 1, sizeof *mesh);
     if (!mesh) return load_no_memory(loader);
+    const struct obj_materials materials = {brdfs.name, brdfs.count, brdfs.other != NULL};
     loader->wanted.count = 0;
     load_spare_file(loader, p, "the shape is left out", &spared);
-    status = load_shape_obj(loader, p, brdfs.name, brdfs.count, &shape, mesh);
+    status = load_shape_obj(loader, p, &materials, &shape, mesh);
     if (load_spare_end(loader, &spared, &status)) return SATIN_OK;
     for (size_t i = 0; i <= brdfs.count && status == SATIN_OK; i++) {
         const bool last = i == brdfs.count;

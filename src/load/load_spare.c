@@ -10,6 +10,12 @@ bool load_left_out(struct load_state *loader, const struct xml_node *node, const
     return true;
 }
 
+bool load_ref_missing(const struct load_state *loader, const struct xml_node *node) {
+    for (struct xml_node *child = node->child; loader->lenient && child; child = child->next)
+        if (!load_xml_target(&loader->xml, (struct log){0}, child)) return true;
+    return false;
+}
+
 static void begin_spared(struct load_state *loader, struct log errors, const char *instead,
                          struct load_spared *spared) {
     spared->used = true;

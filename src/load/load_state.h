@@ -83,6 +83,9 @@ satin_status load_file_source(struct load_state *loader, const struct param_valu
 // done `instead`.
 bool load_left_out(struct load_state *loader, const struct xml_node *node, const char *instead);
 
+// Whether the loader is lenient and a <ref> in the element leads nowhere.
+bool load_ref_missing(const struct load_state *loader, const struct xml_node *node);
+
 // While such a thing is read, its errors are logged as warnings.
 struct load_spared {
     bool used;  // else nothing is changed

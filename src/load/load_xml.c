@@ -227,6 +227,7 @@ static satin_status open_element(struct file *file, const char *name, const char
     satin_status status = copy_attributes(file, attributes, node);
     if (status != SATIN_OK) return status;
     if (!check_parent_element(file, node)) return SATIN_ERROR_INPUT;
+    load_plugin_correct_case(reader->log, node);
     if (node->animated)
         log_warning_at(reader->log, place,
                        "<animation>: motion is not supported; its first key is taken");

@@ -59,7 +59,9 @@ static const char *find_stray(const char *at) {
 // Moves blanks and line ends before the XML declaration to its end.
 static void move_declaration(char *text) {
     const size_t blanks = strspn(text, " \t\r\n");
-    const char *end = begins(text + blanks, "<?xml ") ? strstr(text + blanks, "?>") : NULL;
+    const char *end = begins(text + blanks, "<?xml") && strchr(" \t\r\n", text[blanks + 5])
+                          ? strstr(text + blanks, "?>")
+                          : NULL;
     if (!blanks || !end) return;
     const size_t length = (size_t)(end + 2 - (text + blanks));
     char *before = strndup(text, blanks);

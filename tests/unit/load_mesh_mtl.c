@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // OBJs with several BRDFs: those of the scene by the names of materials, and those of the files
 // that an OBJ of version 0.6 names.
+#include <png.h>
+
 #include "scene/scene.h"
 #include "scene_case.h"
 
@@ -58,6 +60,43 @@ static void files_of_materials_are_read(void **state) {
     satin_scene_free(scene);
 }
 
+// Names keep their capitals, a mark of UTF-8 is skipped, words after numbers have no meaning.
+static void materials_of_other_programs_are_read(void **state) {
+    (void)state;
+    struct scene_case c;
+    scene_case_file("a.obj",
+                    "mtllib A.mtl none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl Mat.001\nf 1 2 3\n"
+                    "usemtl matA\nf 1 3 2\nusemtl lost\nf 2 1 3\n");
+    scene_case_file("a.mtl",
+                    "\xef\xbb\xbfnewmtl Mat.001\nKD .5 # half\nNs 10 # none\nd 1.5\n"
+                    "newmtl matA\nKs\nmap_kd -s 1 2 3 a.png\n");
+    assert_null(scene_case_load(&c, SCENE06("")));
+    assert_string_equal(c.error, "a.mtl:7: cannot read 'a.png': No such file or directory");
+    const unsigned char texel[3] = {255, 0, 0};
+    png_image png = {
+        .version = PNG_IMAGE_VERSION, .width = 1, .height = 1, .format = PNG_FORMAT_RGB};
+    assert_true(png_image_write_to_file(&png, "a.png", 0, texel, 0, NULL));
+    satin_scene *scene = scene_case_load(&c, SCENE06(""));
+    assert_non_null(scene);
+    assert_int_equal(scene->shape_count, 3);
+    assert_float_equal(load_mesh_mtl_base(scene, 0)->diffuse.g, .2140411f, 1e-6f);
+    assert_float_equal(load_mesh_mtl_base(scene, 1)->diffuse.r, 1.0f, 1e-6f);
+    // The other case of the file's name, the missing file, 1.5, the missing number, and the lost
+    // material.
+    assert_int_equal(c.warnings, 5);
+    satin_scene_free(scene);
+}
+
+static void attributes_of_materials_are_missing(void **state) {
+    (void)state;
+    struct scene_case c;
+    scene_case_file("a.obj", two_faces);
+    assert_null(
+        scene_case_load(&c, SCENE06("<bsdf type='diffuse' name='red'><texture type='vertexcolors' "
+                                    "name='reflectance'/></bsdf><bsdf type='diffuse'/>")));
+    assert_non_null(strstr(c.error, "shape 'obj' has no attribute 'vertexcolors' for its texture"));
+}
+
 static void missing_materials_are_grey(void **state) {
     (void)state;
     struct scene_case c;
@@ -80,6 +119,8 @@ static void missing_materials_are_grey(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(materials_have_brdfs_of_their_own),
                                        cmocka_unit_test(files_of_materials_are_read),
+                                       cmocka_unit_test(materials_of_other_programs_are_read),
+                                       cmocka_unit_test(attributes_of_materials_are_missing),
                                        cmocka_unit_test(missing_materials_are_grey)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -311,6 +311,7 @@ static void containers_of_media_are_not_visible(void **state) {
     for (int i = 0; i < 4; i++)
         assert_string_equal(scene->material[scene->shape[i].material].front.base.model->name,
                             models[i]);
+    assert_true(scene->material[scene->shape[0].material].front.base.transmittance.g == 1.0f);
     satin_scene_free(scene);
 }
 
