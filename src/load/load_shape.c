@@ -69,8 +69,9 @@ static satin_status build_surface(struct load_state *loader, const struct params
                                   struct shape *shape, bool *left_out) {
     struct load_spared spared;
     satin_status status = want_attributes(loader, p, shape);
+    if (status != SATIN_OK) return status;
     load_spare_file(loader, p, "the shape is left out", &spared);
-    if (status == SATIN_OK) status = p->plugin->build(loader, p, shape);
+    status = p->plugin->build(loader, p, shape);
     *left_out = load_spare_end(loader, &spared, &status);
     if (*left_out) return SATIN_OK;
     return status == SATIN_OK ? check_attributes(loader, p, &shape->mesh) : status;
