@@ -93,9 +93,12 @@ static bool find_sensor(struct load_state *loader, const struct xml_node **out) 
         }
         count++;
     }
-    // A scene without sensors is refused later.
-    if (*out || !count) return true;
-    if (search.best)
+    // A scene without sensors gets a camera later.
+    if (*out || (!count && !wanted)) return true;
+    if (!count)
+        log_error_at(loader->log, loader->xml.root->place,
+                     "the scene has no sensor '%s': it has none", wanted);
+    else if (search.best)
         log_error_at(loader->log, loader->xml.root->place,
                      "the scene has no sensor '%s' (did you mean '%s'?)", wanted, search.best);
     else
@@ -182,11 +185,10 @@ static satin_status build_objects(struct load_state *loader) {
             status = build_sensor(loader, node, sensor);
         if (node->tag == XML_INTEGRATOR) status = load_integrator(loader, node);
     }
-    if (status == SATIN_OK && !sensor) {
-        log_error_at(loader->log, loader->xml.root->place, "the scene has no <sensor>");
-        return SATIN_ERROR_INPUT;
-    }
-    if (status == SATIN_OK && loader->all_sensors) status = build_all_sensors(loader, sensor);
+    if (status == SATIN_OK) status = load_daylight_default(loader);
+    loader->no_sensor = !sensor;
+    if (status == SATIN_OK && sensor && loader->all_sensors)
+        status = build_all_sensors(loader, sensor);
     return status;
 }
 
@@ -306,6 +308,7 @@ static satin_status load_all(struct load_state *loader) {
     if (status == SATIN_OK) status = keep_objects(loader);
     if (status == SATIN_OK) polish_materials(loader->scene);
     if (status == SATIN_OK) status = scene_trace_build(loader->scene, loader->log);
+    if (status == SATIN_OK && loader->no_sensor) status = load_sensor_default(loader);
     if (status == SATIN_OK) status = light_prepare(loader->scene, loader->log);
     return status == SATIN_OK ? check_power(loader) : status;
 }

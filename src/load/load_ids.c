@@ -54,15 +54,31 @@ static struct xml_node *resolve_alias(const struct load_xml *xml, struct log log
     return alias->node = step->node;
 }
 
-satin_status load_ids_resolve(struct load_xml *xml, struct log log) {
+// Logs an id that another one of the table repeats. `spared`: as a warning, since the first counts.
+static void report_duplicate(struct log log, const struct xml_id *first, const struct xml_id *id,
+                             bool spared) {
+    const struct log_place at = first->place;
+    if (spared)
+        log_warning_at(log, id->place, "duplicate id '%s': the one at %s:%d:%d counts", id->id,
+                       at.file, at.line, at.column);
+    else
+        log_error_at(log, id->place, "duplicate id '%s' (first at %s:%d:%d)", id->id, at.file,
+                     at.line, at.column);
+}
+
+satin_status load_ids_resolve(struct load_xml *xml, struct log log, bool lenient) {
     if (xml->id_count > 1) qsort(xml->id, xml->id_count, sizeof *xml->id, by_id_then_order);
+    size_t kept = xml->id_count ? 1 : 0;
     for (size_t i = 1; i < xml->id_count; i++) {
-        const struct xml_id *a = &xml->id[i - 1], *b = &xml->id[i];
-        if (strcmp(a->id, b->id) != 0) continue;
-        log_error_at(log, b->place, "duplicate id '%s' (first at %s:%d:%d)", b->id, a->place.file,
-                     a->place.line, a->place.column);
-        return SATIN_ERROR_INPUT;
+        const struct xml_id *first = &xml->id[kept - 1], *id = &xml->id[i];
+        if (strcmp(first->id, id->id) != 0) {
+            xml->id[kept++] = *id;
+            continue;
+        }
+        report_duplicate(log, first, id, lenient);
+        if (!lenient) return SATIN_ERROR_INPUT;
     }
+    xml->id_count = kept;
     for (size_t i = 0; i < xml->id_count; i++)
         if (!resolve_alias(xml, log, &xml->id[i])) return SATIN_ERROR_INPUT;
     return SATIN_OK;

@@ -170,6 +170,31 @@ static satin_status build_sun(struct load_state *loader, const struct params *p,
     return build_daylight(loader, p, object, 0.0f, 1.0f);
 }
 
+static bool has_emitter(const struct xml_node *node) {
+    if (node->tag == XML_EMITTER) return true;
+    for (const struct xml_node *child = node->child; child; child = child->next)
+        if (has_emitter(child)) return true;
+    return false;
+}
+
+satin_status load_daylight_default(struct load_state *loader) {
+    static const char *const attribute[] = {"type", "sunsky", NULL};
+    const struct xml_node *root = loader->xml.root;
+    if (!root->mitsuba06 || has_emitter(root)) return SATIN_OK;
+    log_warning_at(
+        loader->log, root->place,
+        "the scene has no <emitter>: it has the daylight of `sunsky`, as in version 0.6");
+    struct xml_node *node = arena_alloc(&loader->xml.arena, sizeof *node);
+    if (!node) return load_no_memory(loader);
+    int32_t light;
+    *node = (struct xml_node){.tag = XML_EMITTER,
+                              .place = root->place,
+                              .type = "sunsky",
+                              .attribute = attribute,
+                              .mitsuba06 = true};
+    return load_emitter_add(loader, node, NULL, &light);
+}
+
 const struct plugin_spec load_daylight_plugins[] = {
     {XML_EMITTER, "sunsky", "daylight: a clear sky and the sun", daylight, 0, build_sunsky, false},
     {XML_EMITTER, "sky", "the sky of `sunsky` alone, as in version 0.6", daylight, 0, build_sky,

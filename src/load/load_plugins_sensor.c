@@ -316,16 +316,18 @@ static satin_status read_only_child(struct load_state *loader, const struct para
     return status == SATIN_OK ? out->plugin->build(loader, out, object) : status;
 }
 
+static const struct scene_film default_film = {.width = 768,
+                                               .height = 576,
+                                               .crop_width = 768,
+                                               .crop_height = 576,
+                                               .filter = FILTER_GAUSSIAN,
+                                               .radius = 2.0f,
+                                               .stddev = 0.5f};
+
 satin_status load_sensor(struct load_state *loader, struct xml_node *node) {
     struct params sensor, child, filter;
     struct camera camera = {0};
-    struct scene_film film = {.width = 768,
-                              .height = 576,
-                              .crop_width = 768,
-                              .crop_height = 576,
-                              .filter = FILTER_GAUSSIAN,
-                              .radius = 2.0f,
-                              .stddev = 0.5f};
+    struct scene_film film = default_film;
     if (load_left_out(loader, node, "it is a perspective camera")) node->type = "perspective";
     satin_status status = load_params(loader, node, &sensor);
     if (status == SATIN_OK) status = read_only_child(loader, &sensor, XML_SAMPLER, NULL, &child);
@@ -337,4 +339,30 @@ satin_status load_sensor(struct load_state *loader, struct xml_node *node) {
     status = sensor.plugin->build(loader, &sensor, &camera);
     if (status == SATIN_OK) loader->scene->camera = camera;
     return status;
+}
+
+satin_status load_sensor_default(struct load_state *loader) {
+    struct satin_scene *scene = loader->scene;
+    const struct log_place place = loader->xml.root->place;
+    const vec3 size = v3_sub(scene->bounds_hi, scene->bounds_lo),
+               center = v3_add(scene->bounds_lo, v3_mul(size, 0.5f));
+    const float across = maxf(size.x, size.y);
+    if (!(across > 0.0f)) {
+        log_error_at(loader->log, place, "the scene has no <sensor>");
+        return SATIN_ERROR_INPUT;
+    }
+    log_warning_at(loader->log, place,
+                   "the scene has no <sensor>: a camera in front of it looks along +z");
+    const float tangent = tanf(22.5f * (PI_F / 180.0f)), distance = 0.5f * across / tangent;
+    const vec3 from = v3(center.x, center.y, scene->bounds_lo.z - distance);
+    scene->film = default_film;
+    scene->camera = (struct camera){.to_world = mat4_translate(from),
+                                    .tan_x = tangent,
+                                    .tan_y = tangent * 0.75f,
+                                    .near_clip = 0.01f * distance,
+                                    .far_clip = distance + 5.0f * maxf(across, size.z)};
+    scene->camera.focus_distance = scene->camera.far_clip;
+    scene->sensor = &scene->camera;
+    scene->sensor_count = 1;
+    return SATIN_OK;
 }

@@ -55,10 +55,18 @@ static satin_status want_attributes(struct load_state *loader, const struct para
     return load_refuse(loader, p, "its textures refer to more than 8 mesh attributes");
 }
 
+// Refuses a shape without an attribute that a texture needs. If the loader is lenient, one that
+// does not emit becomes grey.
 static satin_status check_attributes(struct load_state *loader, const struct params *p,
-                                     const struct mesh *mesh) {
-    const char *missing = load_attribute_missing(&loader->wanted, mesh);
+                                     struct shape *shape) {
+    const char *missing = load_attribute_missing(&loader->wanted, &shape->mesh);
     if (!missing) return SATIN_OK;
+    if (loader->lenient && shape->light < 0) {
+        log_warning_at(loader->each, p->node->place,
+                       "shape '%s' has no attribute '%s' for its texture: it is grey",
+                       p->plugin->name, missing);
+        return load_material_of(loader, NULL, PLAIN_GREY, &shape->material);
+    }
     log_error_at(loader->log, p->node->place, "shape '%s' has no attribute '%s' for its texture",
                  p->plugin->name, missing);
     return SATIN_ERROR_INPUT;
@@ -74,7 +82,7 @@ static satin_status build_surface(struct load_state *loader, const struct params
     status = p->plugin->build(loader, p, shape);
     *left_out = load_spare_end(loader, &spared, &status);
     if (*left_out) return SATIN_OK;
-    return status == SATIN_OK ? check_attributes(loader, p, &shape->mesh) : status;
+    return status == SATIN_OK ? check_attributes(loader, p, shape) : status;
 }
 
 // The shape of an element, as yet without a surface.
@@ -163,7 +171,7 @@ static satin_status add_obj_mesh(struct load_state *loader, const struct params 
     if (!shape.mesh.triangle_count) return SATIN_OK;
     satin_status status = load_material_of(loader, brdf, PLAIN_GREY, &shape.material);
     if (status == SATIN_OK) status = want_attributes(loader, p, &shape);
-    if (status == SATIN_OK) status = check_attributes(loader, p, &shape.mesh);
+    if (status == SATIN_OK) status = check_attributes(loader, p, &shape);
     if (status != SATIN_OK || load_pose_gone(loader, p->node)) return status;
     snprintf(name, sizeof name, "%.127s-%.127s", shape.name, material ? material : "other");
     shape.name = load_keep_text(loader, name);

@@ -24,6 +24,7 @@ struct load_state {
     const char *path;    // of the main file
     const char *sensor;  // the id or the index of the sensor to use; NULL: the first one
     bool all_sensors;    // the cameras of all sensors are read, too
+    bool no_sensor;      // the scene has none
     bool lenient;        // missing or unknown objects are left out, with a warning
     struct log each;     // log for those warnings, which are not counted but passed on at once
     struct load_xml xml;
@@ -141,6 +142,12 @@ satin_status load_light_orient(struct load_state *loader, const struct params *p
                                struct mat4 to_world, struct light *light);
 // Reads the camera, the film and the samples per pixel of the scene (load_plugins_sensor.c).
 satin_status load_sensor(struct load_state *loader, struct xml_node *node);
+// Adds a camera to a scene without a sensor, as Mitsuba does: one of 45 degrees that looks along +z
+// from where it sees the front of the bounds, which are known. Refuses a scene without an extent.
+satin_status load_sensor_default(struct load_state *loader);
+// Adds daylight to a scene of version 0.6 that has no <emitter>, as Mitsuba 0.6 does
+// (load_plugins_daylight.c).
+satin_status load_daylight_default(struct load_state *loader);
 // Computes the half extents at unit distance from the parameters fov, fov_axis and focal_length,
 // for an aspect ratio width / height. Below are the choices of fov_axis.
 satin_status load_field_of_view(struct load_state *loader, const struct params *p, double aspect,

@@ -476,7 +476,8 @@ satin_status load_xml_read(struct log log, struct log each, const char *path,
         status = read_xml_file(&reader, NULL, (struct log_place){0}, copy, NULL);
     else
         log_fail(log, status, "%s: not enough memory for the scene", path);
-    if (status == SATIN_OK) status = load_ids_resolve(&xml, log);
+    if (status == SATIN_OK)
+        status = load_ids_resolve(&xml, reader.lenient ? each : log, reader.lenient);
     if (status == SATIN_OK) status = check_defines(&reader, path);
     if (status == SATIN_OK)
         *out = xml;

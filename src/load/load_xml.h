@@ -134,8 +134,9 @@ satin_status load_path_add(struct load_xml *xml, struct log log, const struct xm
 // ---- load_ids.c
 // Adds an id to the table. SATIN_ERROR_MEMORY is not logged.
 satin_status load_ids_add(struct load_xml *xml, struct xml_id id);
-// Sorts the table, refuses duplicates and resolves aliases.
-satin_status load_ids_resolve(struct load_xml *xml, struct log log);
+// Sorts the table, refuses duplicates and resolves aliases. If `lenient`, the first of several
+// objects with one id counts, with a warning.
+satin_status load_ids_resolve(struct load_xml *xml, struct log log, bool lenient);
 // The object with that id, or NULL.
 struct xml_node *load_xml_find(const struct load_xml *xml, const char *id);
 // The object to which a <ref> refers, or the node itself if it is not a <ref>. If there is no such

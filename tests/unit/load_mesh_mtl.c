@@ -6,9 +6,10 @@
 #include "scene/scene.h"
 #include "scene_case.h"
 
-#define SCENE06(parts)                                                              \
-    "<scene version='0.6.0'><sensor type='perspective'/><shape type='obj'><string " \
-    "name='filename' "                                                              \
+#define SCENE06(parts)                                                                     \
+    "<scene version='0.6.0'><sensor type='perspective'/><emitter type='constant'/><shape " \
+    "type='obj'><string "                                                                  \
+    "name='filename' "                                                                     \
     "value='a.obj'/>" parts "</shape></scene>"
 
 static const char two_faces[] =

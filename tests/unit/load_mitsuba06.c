@@ -15,7 +15,7 @@ static const char mitsuba06[] =
     "<transform name='toWorld'><lookAt origin='0 0 5' target='0 0 0' up='0 1 0'/></transform>"
     "<sampler type='sobol'><integer name='sampleCount' value='9'/></sampler>"
     "<film type='ldrfilm'><boolean name='banner' value='false'/>"
-    "<integer name='width' value='40'/></film></sensor>"
+    "<integer name='width' value='40'/></film></sensor><emitter type='constant'/>"
     "<shape type='sphere'><bsdf type='roughplastic'>"
     "<srgb name='diffuseReflectance' value='.5 .5 #'/></bsdf></shape></scene>";
 
@@ -42,7 +42,7 @@ static void the_first_key_of_an_animation_is_taken(void **state) {
         "<scene version='%s'><sensor type='perspective'><animation name='%s'>"
         "<transform time='0'><translate x='3'/>%s<translate y='2'/></transform>"
         "<transform time='1'><translate x='5'/></transform><transform time='2'/>"
-        "</animation><float name='fov' value='40'/></sensor></scene>";
+        "</animation><float name='fov' value='40'/></sensor><emitter type='constant'/></scene>";
     struct scene_case c;
     char text[1024];
     for (int version = 0; version < 2; version++) {
@@ -170,7 +170,7 @@ static void textures_of_version_06_are_read(void **state) {
     struct scene_case c;
     satin_scene *scene = scene_case_load(
         &c,
-        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<scene version='0.6.0'><sensor type='perspective'/><emitter type='constant'/>"
         "<shape type='sphere'><bsdf type='diffuse'><texture type='scale' name='reflectance'>"
         "<rgb name='scale' value='.5 .25 1'/><texture type='scale'><float name='scale' value='.5'/>"
         "<texture type='gridtexture'><rgb name='color0' value='1'/><rgb name='color1' value='0'/>"
@@ -286,7 +286,8 @@ static void what_version_06_ignores_is_no_error(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         char text[512];
-        snprintf(text, sizeof text, "<scene version='0.6.0'>%s</scene>", cases[i][0]);
+        snprintf(text, sizeof text, "<scene version='0.6.0'>%s<emitter type='constant'/></scene>",
+                 cases[i][0]);
         satin_scene *scene = scene_case_load(&c, text);
         assert_int_equal(scene != NULL, cases[i][1] != NULL);
         if (!scene) continue;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sun of <emitter type="sunsky"> stands where that of Mitsuba 3.9 stands.
+// The sun of <emitter type="sunsky"> stands where that of Mitsuba 3.9 stands, and scenes of version
+// 0.6 without lights have one.
 #include "light/light.h"
 #include "scene_case.h"
 
@@ -34,10 +35,32 @@ static void a_given_direction_is_in_world_space(void **state) {
     assert_true(v3_dist2(given, v3(.6f, .8f, 0.0f)) < 1e-6f);
 }
 
+static void a_scene_of_version_06_without_emitters_has_daylight(void **state) {
+    (void)state;
+    static const char *const body = "<shape type='cube'/><sensor type='perspective'/></scene>";
+    char text[256];
+    struct scene_case c;
+    snprintf(text, sizeof text, "<scene version='0.6.0'>%s", body);
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    assert_int_equal(c.warnings, 1);
+    assert_string_equal(c.warning,
+                        "scene.xml:1:1: the scene has no <emitter>: it has the daylight of "
+                        "`sunsky`, as in version 0.6");
+    assert_true(scene->environment == 0 && scene->light[0].sun.y > 0.5f);
+    satin_scene_free(scene);
+    snprintf(text, sizeof text, "<scene version='3.0.0'>%s", body);
+    scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    assert_int_equal(scene->light_count, 0);
+    satin_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_sun_stands_as_the_date_says),
         cmocka_unit_test(a_given_direction_is_in_world_space),
+        cmocka_unit_test(a_scene_of_version_06_without_emitters_has_daylight),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

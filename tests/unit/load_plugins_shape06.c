@@ -57,7 +57,8 @@ static void bytes_of_heights_are_decoded(void **state) {
     static const float plain[4] = {0, 51.0f / 255, 128.0f / 255, 1};
     check_heights(FIELD(FILE_NAMED("a.pgm")), decoded, 4);
     check_heights(
-        "<scene version='0.6.0'><sensor type='perspective'/><shape type='heightfield'>"
+        "<scene version='0.6.0'><sensor type='perspective'/><emitter type='constant'/><shape "
+        "type='heightfield'>"
         "<texture type='bitmap'><float name='gamma' value='1'/>" FILE_NAMED(
             "a.pgm") "</texture></shape></scene>",
         plain, 4);
@@ -85,12 +86,13 @@ static void names_of_fields_in_version_06(void **state) {
     static const float value[4] = {0, 0, 0, 0};
     write_heights("a.pfm", "Pf\n2 2\n-1\n", value, 4);
     struct scene_case c;
-    satin_scene *scene = scene_case_load(
-        &c,
-        "<scene version='0.6.0'><sensor type='perspective'/><shape type='heightfield'>"
-        "<boolean name='shadingNormals' value='false'/><rfilter type='gaussian'/>"
-        "<boolean name='flipNormals' value='true'/><transform name='toWorld'>"
-        "<translate z='2'/></transform>" FILE_NAMED("a.pfm") "</shape></scene>");
+    satin_scene *scene =
+        scene_case_load(&c,
+                        "<scene version='0.6.0'><sensor type='perspective'/><emitter "
+                        "type='constant'/><shape type='heightfield'>"
+                        "<boolean name='shadingNormals' value='false'/><rfilter type='gaussian'/>"
+                        "<boolean name='flipNormals' value='true'/><transform name='toWorld'>"
+                        "<translate z='2'/></transform>" FILE_NAMED("a.pfm") "</shape></scene>");
     if (!scene) fail_msg("%s", c.error);
     const struct shape *shape = &scene->shape[0];
     assert_true(shape->face_normals && shape->flip_normals && !shape->mesh.normal);
@@ -101,7 +103,7 @@ static void names_of_fields_in_version_06(void **state) {
     assert_near3(s.ng, v3(0, 0, -1), 1e-6f);
     assert_true(fabsf(s.uv.x - 0.6f) < 1e-6f && fabsf(s.uv.y - 0.55f) < 1e-6f);
     assert_string_equal(c.warning,
-                        "scene.xml:1:124: the filter has no effect: heights are used "
+                        "scene.xml:1:150: the filter has no effect: heights are used "
                         "as they are");
     satin_scene_free(scene);
 }
