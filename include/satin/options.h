@@ -117,6 +117,7 @@ typedef struct satin_options {
     bool guide_clusters;    // additional gather rays towards clusters of photons
     bool guide_visibility;  // direct light is sampled by the visibility of the lights
     bool noise_filter;      // noisy light is averaged over pixels that look the same
+    int edge_rays;          // eye rays that show what each pixel at an edge sees; 0: none
     bool texture_filter;    // bitmaps are averaged over a ray's footprint
 
     // Irradiance cache (diffuse surfaces).

@@ -34,6 +34,7 @@ const satin_options satin_options_default = {
     .irradiance_cache = true,
     .irradiance_filter = true,
     .noise_filter = true,
+    .edge_rays = 16,
     .irradiance_gradients = SATIN_GRADIENTS_STRATIFIED,
     .irradiance_gradient_clamp = true,
     .irradiance_neighbour_clamp = true,

@@ -148,9 +148,11 @@ const struct option options_table[] = {
      "these openings. It has an effect with integrator two-pass."},
     {"noise-filter", OPTION_BOOL, AT(noise_filter), false, "off|on",
      "Averages direct light, and glossy light that no record carries, over pixels up to 5 away "
-     "that "
-     "look the same within their noise, by non-local means. It has an effect with integrator "
+     "that look the same within their noise, by non-local means. It has an effect with integrator "
      "two-pass, if the image is not denoised and if it takes less than a quarter of a time limit."},
+    {"edge-rays", OPTION_INT, AT(edge_rays), false, "0..1024",
+     "Eye rays, or more, that find how much of a pixel each surface at an edge covers, for which "
+     "its light is corrected, with integrator two-pass if the image is not denoised."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
      "Averages bitmaps over the footprint of an eye ray or gather ray, and widens glossy lobes at "
      "the hits of a record's rays to the solid angle for which the ray stands. Integrator path "

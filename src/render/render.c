@@ -112,6 +112,7 @@ static satin_status finish_film(struct render *r, satin_status status, satin_fil
                     render_stage_name(r->progress.cancelled_in),
                     r->progress.course == COURSE_COARSE_DIRECT ? ", with direct light alone" : "");
     if (!render_noise_filter(r)) return SATIN_ERROR_MEMORY;
+    if (status == SATIN_OK && !render_edges(r)) return SATIN_ERROR_MEMORY;
     bool any;
     render_image_film(r, &any);
     if (status == SATIN_CANCELLED && !any) return status;

@@ -202,7 +202,7 @@ static double finish_seconds(const struct render *r) {
     const double filter = render_budget_filters(r) ? filter_estimate(r) : 0.0;
     const double rims = render_has_rims(r) ? RIMS_SECONDS : 0.0;
     const double noise = render_budget_filters_noise(r) ? noise_filter_estimate(r) : 0.0;
-    return WRITE_SECONDS + filter + noise +
+    return WRITE_SECONDS + filter + noise + (r->image ? r->image->edge_seconds : 0.0) +
            (r->progress.write_pixel_seconds + rims) * pixels / parallel_threads(r->pool) +
            denoise_seconds(r);
 }

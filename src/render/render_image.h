@@ -168,6 +168,9 @@ struct render_image {
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored
+    bool edges_fit;               // whether a time limit leaves time for edges
+    double edge_seconds;          // that they will take, if so
+    uint64_t edges_planned;       // `taken` when both were found; 0: never
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     bool rare_emission;           // whether many pixels had emission by chance then
     int coarsest;                 // pixels between the first samples, a power of two
@@ -255,6 +258,19 @@ bool render_noise_change(struct render_image *image, struct parallel *pool);
 double render_noise_pixel_seconds(void);
 // Filters the image, if each pixel has a sample and there is the time. False if there is no memory.
 bool render_noise_filter(struct render *r);
+
+// ---- Edges (render_edges.c)
+
+// Whether an image with these options has rays at edges.
+bool render_edges_on(const satin_options *options);
+// With a time limit, measures what the next function will take, and decides whether there is the
+// time; there is none if there is no memory. To be called between passes, of which those count that
+// double the samples.
+void render_edges_plan(struct render *r);
+// If each pixel has a sample, changes the light of pixels at edges of surfaces, after the filter of
+// noise, by eye rays that show what they see. To be called if the image is whole. False if there is
+// no memory.
+bool render_edges(struct render *r);
 
 // Allocates memory for denoising, which is freed with the image. False if there is no memory
 // (render_denoise.c).

@@ -34,9 +34,10 @@ void shade_destroy(struct shade *shade) {
 // Sets the channels that are not light, from the first surface.
 static void surface_channels(const struct shade *shade, const struct shading_point *p,
                              const struct shade_camera_sample *camera, struct shade_sample *out) {
-    if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
-    out->layer[SHADE_NORMAL] = shade_facing_normal(p);
-    out->depth = p->interaction.t;
+    const struct shade_surface surface = shade_surface_of(p);
+    out->layer[SHADE_ALBEDO] = surface.albedo;
+    out->layer[SHADE_NORMAL] = surface.normal;
+    out->depth = surface.depth;
     out->shape = p->interaction.shape + 1;
     out->instance = p->interaction.instance;
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);

@@ -36,6 +36,13 @@ struct shade_features {
     rgb normal;  // x y z
 };
 
+// The first surface that is seen, with its ideal specular lobes; all 0 if there is none.
+struct shade_surface {
+    rgb albedo;
+    rgb normal;   // x y z, on the side of the eye
+    float depth;  // distance
+};
+
 struct shade_sample {
     rgb beauty;               // the sum of the light layers; of `path`, all light
     rgb uncached;             // the reflected light in it that is from no record, which is noisy
@@ -154,6 +161,11 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 // The emitted light alone that is seen by eye ray number `index` of pixel (x, y), from a separate
 // sequence of rays. *weight as of a sample.
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight);
+
+// The first surface that eye ray number `index` of pixel (x, y) sees, from a separate sequence of
+// rays, as samples see it. Returns the weight as of a sample.
+float shade_find_surface(const struct shade *shade, int x, int y, uint32_t index,
+                         struct shade_surface *out);
 
 // The features seen by eye ray number `index` of pixel (x, y), from a separate sequence of rays
 // (shade_features.c). Returns the weight as of a sample.

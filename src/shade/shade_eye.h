@@ -58,6 +58,9 @@ static inline rgb shade_facing_normal(const struct shading_point *p) {
     return rgb_make(n.x, n.y, n.z);
 }
 
+// What is known of a first surface beside its light (shade_features.c).
+struct shade_surface shade_surface_of(const struct shading_point *p);
+
 // The features that an eye ray sees (shade_features.c). Where it first meets ideal specular
 // surfaces alone, these are the sum over all surface points that are seen by them.
 struct shade_features shade_features_of(const struct shade_eye *eye);

@@ -1,7 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Features: what a denoiser reads beside the light. Those of a mirror or a pane are of what it
-// shows.
+// What an eye ray sees beside the light: the first surface, and features, which a denoiser reads.
+// Those of a mirror or a pane are of what it shows.
 #include "shade/shade_eye.h"
+
+struct shade_surface shade_surface_of(const struct shading_point *p) {
+    const rgb albedo = p->lobes ? brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL) : rgb_grey(0.0f);
+    return (struct shade_surface){albedo, shade_facing_normal(p), p->interaction.t};
+}
+
+float shade_find_surface(const struct shade *shade, int x, int y, uint32_t index,
+                         struct shade_surface *out) {
+    const struct satin_scene *scene = shade->g->scene;
+    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_FEATURE);
+    struct shade_camera_sample camera;
+    const struct ray ray = shade_eye_ray(shade, x, y, &sampler, &camera);
+    struct interaction s;
+    *out = (struct shade_surface){0};
+    if (!scene_intersect(scene, &ray, &s)) return camera.weight;
+    struct shading_point point;
+    s.footprint = shade->sharpness * camera.spread * s.t;
+    scene_shading_point_of(scene, scene_draw_component(scene, &s, v3_neg(ray.d)), &s, ray.d,
+                           &point);
+    *out = shade_surface_of(&point);
+    return camera.weight;
+}
 
 void shade_features_add(const struct shading_point *p, rgb T, struct shade_features *sum) {
     const rgb albedo = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);

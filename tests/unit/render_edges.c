@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pixels at the edges of surfaces show what eye rays for the surfaces alone find, and no others
+// change.
+#include "satin/render.h"
+
+#include "film/film.h"
+#include "scene/scene.h"
+#include "scene_case.h"
+
+enum { SIDE = 48, PIXELS = SIDE * SIDE };
+
+#define LOOKING_DOWN                                                                          \
+    "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'>"    \
+    "<lookat origin='0 0 5' target='0 0 0' up='0 1 0'/></transform><film type='hdrfilm'>"     \
+    "<integer name='width' value='48'/><integer name='height' value='48'/></film></sensor>"   \
+    "<emitter type='directional'><rgb name='irradiance' value='3'/><vector name='direction' " \
+    "value='0 0 -1'/></emitter>"
+#define GROUND                                                                          \
+    "<shape type='rectangle'><transform name='to_world'><scale value='9'/></transform>" \
+    "<bsdf type='diffuse'><rgb name='reflectance' value='.8 .7 .6'/></bsdf></shape>"
+#define TILE(lift, reflectance)                                                     \
+    "<shape type='rectangle'><transform name='to_world'><rotate z='1' angle='20'/>" \
+    "<translate z='" lift                                                           \
+    "'/></transform><bsdf type='diffuse'>"                                          \
+    "<rgb name='reflectance' value='" reflectance "'/></bsdf></shape>"
+
+// Renders without the caches and filters, whose errors are not those of edges.
+static void render_tiled(const char *body, const char *spp, const char *edge_rays, int threads,
+                         float *beauty) {
+    char text[2048];
+    struct scene_case c;
+    snprintf(text, sizeof text, "<scene version='3.0.0'>" LOOKING_DOWN "%s</scene>", body);
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    const satin_setting settings[] = {{"quality", "draft"},    {"spp", spp},
+                                      {"max-depth", "2"},      {"photons", "2000"},
+                                      {"light-samples", "16"}, {"adaptive-sampling", "off"},
+                                      {"noise-filter", "off"}, {"edge-rays", edge_rays}};
+    satin_options options;
+    assert_int_equal(satin_options_resolve(scene, settings, sizeof settings / sizeof *settings,
+                                           NULL, NULL, &options),
+                     SATIN_OK);
+    options.threads = threads;
+    satin_film *film = NULL;
+    assert_int_equal(satin_render(scene, &options, NULL, &film), SATIN_OK);
+    const float *plane[3] = {film_channel(film, "R"), film_channel(film, "G"),
+                             film_channel(film, "B")};
+    for (int i = 0; i < 3; i++) {
+        assert_non_null(plane[i]);
+        memcpy(beauty + i * PIXELS, plane[i], PIXELS * sizeof *beauty);
+    }
+    satin_film_free(film);
+    satin_scene_free(scene);
+}
+
+// The mean square of the difference; *bias is its mean.
+static double edge_difference(const float *a, const float *b, double *bias) {
+    double squares = 0.0, sum = 0.0;
+    for (int i = 0; i < 3 * PIXELS; i++) {
+        const double d = (double)a[i] - (double)b[i];
+        squares += d * d;
+        sum += d;
+    }
+    *bias = sum / (3 * PIXELS);
+    return squares / (3 * PIXELS);
+}
+
+// With two samples a pixel at the edge of a dark tile is covered by none, half or all of it.
+static void edges_have_the_light_of_what_they_show(void **state) {
+    (void)state;
+    static const char *const tiles[] = {GROUND TILE("1", ".1 .2 .1"),
+                                        GROUND TILE(".01", ".1 .2 .1")};
+    static float exact[3 * PIXELS], without[3 * PIXELS], with[3 * PIXELS];
+    for (size_t i = 0; i < sizeof tiles / sizeof *tiles; i++) {
+        double bias, before, after;
+        render_tiled(tiles[i], "512", "0", 2, exact);
+        render_tiled(tiles[i], "2", "0", 2, without);
+        render_tiled(tiles[i], "2", "16", 2, with);
+        before = edge_difference(without, exact, &bias);
+        after = edge_difference(with, exact, &bias);
+        assert_true(before > 1e-3);
+        assert_true(after < 0.1 * before);
+        assert_true(fabs(bias) < 2e-3);
+    }
+}
+
+static void changes_do_not_depend_on_threads(void **state) {
+    (void)state;
+    static float one[3 * PIXELS], three[3 * PIXELS];
+    render_tiled(GROUND TILE("1", ".1 .2 .1"), "3", "16", 1, one);
+    render_tiled(GROUND TILE("1", ".1 .2 .1"), "3", "16", 3, three);
+    assert_memory_equal(one, three, sizeof one);
+}
+
+static void a_plain_surface_is_left_alone(void **state) {
+    (void)state;
+    static float without[3 * PIXELS], with[3 * PIXELS];
+    render_tiled(GROUND, "2", "0", 2, without);
+    render_tiled(GROUND, "2", "16", 2, with);
+    assert_memory_equal(without, with, sizeof with);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(edges_have_the_light_of_what_they_show),
+        cmocka_unit_test(changes_do_not_depend_on_threads),
+        cmocka_unit_test(a_plain_surface_is_left_alone),
+    };
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}
