@@ -34,8 +34,9 @@ static const float RIDGE = 0.1f;
 static const float VARIES_LEAST = 1e-3f;
 // A regression counts as far as it explains more than this many times what noise would.
 static const float EXPLAINED_LEAST = 4.0f;
-// Fraction of a time limit that edges may take.
-static const double EDGES_FRACTION = 0.1;
+// Fraction of a time limit that edges take if there are enough rays, and at most twice of it. It is
+// planned again when there are so many times the samples.
+static const double EDGES_FRACTION = 0.05, PLAN_AGAIN = 1.25;
 
 struct layer_change {
     rgb layer[LIGHT_LAYERS];
@@ -47,6 +48,7 @@ struct surface_edges {
     uint32_t *found;  // number of them in each row
     struct layer_change *change;
     size_t count;
+    uint32_t rays_per_sample;
 };
 
 static size_t image_pixels(const struct render_image *image) {
@@ -264,10 +266,10 @@ static void find_reliance(const struct regression *g, float reliance[LIGHT_LAYER
 // ---- The change of a pixel ----------------------------------------------------------------------
 
 // The number of rays of a pixel, a power of two, so that they are distributed well.
-static uint32_t count_edge_rays(const satin_options *o, uint32_t samples) {
+static uint32_t count_edge_rays(const struct surface_edges *e, uint32_t samples) {
+    const uint32_t least = (uint32_t)e->r->options.edge_rays;
     uint32_t rays = 1;
-    while (rays < (uint32_t)o->edge_rays || (rays < RAYS_PER_SAMPLE * samples && rays < RAYS_MOST))
-        rays *= 2;
+    while (rays < least || (rays < e->rays_per_sample * samples && rays < RAYS_MOST)) rays *= 2;
     return rays;
 }
 
@@ -276,7 +278,7 @@ static struct shade_surface trace_surfaces(const struct surface_edges *e, size_t
     const size_t width = (size_t)e->r->image->width;
     struct shade_surface sum = {0};
     float weights = 0.0f;
-    const uint32_t rays = count_edge_rays(&e->r->options, e->r->image->pixel[at].samples);
+    const uint32_t rays = count_edge_rays(e, e->r->image->pixel[at].samples);
     for (uint32_t k = 0; k < rays; k++) {
         struct shade_surface s;
         const float weight =
@@ -361,7 +363,7 @@ static void edges_destroy(struct surface_edges *e) {
 // memory.
 static bool edges_make(struct surface_edges *e, struct render *r, bool *failed) {
     const size_t pixels = image_pixels(r->image);
-    *e = (struct surface_edges){.r = r};
+    *e = (struct surface_edges){.r = r, .rays_per_sample = RAYS_PER_SAMPLE};
     *failed = false;
     if (!render_edges_on(&r->options) || r->image->taken < pixels) return false;
     parallel_begin_part(r->pool, "edges");
@@ -392,14 +394,23 @@ void render_edges_plan(struct render *r) {
     struct render_image *image = r->image;
     struct surface_edges e;
     bool failed;
-    if (!(r->options.time > 0.0) || image->taken < 2 * image->edges_planned) return;
-    image->edges_fit = false;
+    if (!(r->options.time > 0.0) || (double)image->taken < PLAN_AGAIN * image->edges_planned)
+        return;
+    image->edge_rays = 0;
     image->edge_seconds = 0.0;
     image->edges_planned = image->taken;
     if (!edges_make(&e, r, &failed)) return;
-    const double seconds = render_agreed(r, edges_seconds(&e));
-    if (seconds <= EDGES_FRACTION * r->options.time) {
-        image->edges_fit = true;
+    // Up to twice as many samples will be there at the next plan, or at the end.
+    const double more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
+                 growth = fmin(1.0 + more / (double)image->taken, 2.0),
+                 most = EDGES_FRACTION * r->options.time;
+    double seconds = growth * render_agreed(r, edges_seconds(&e));
+    while (seconds > most && e.rays_per_sample > 1) {
+        e.rays_per_sample /= 2;
+        seconds = growth * render_agreed(r, edges_seconds(&e));
+    }
+    if (seconds <= 2.0 * most) {
+        image->edge_rays = e.rays_per_sample;
         image->edge_seconds = seconds;
     }
     edges_destroy(&e);
@@ -408,8 +419,9 @@ void render_edges_plan(struct render *r) {
 bool render_edges(struct render *r) {
     struct surface_edges e;
     bool failed;
-    if (r->options.time > 0.0 && !r->image->edges_fit) return true;
+    if (r->options.time > 0.0 && !r->image->edge_rays) return true;
     if (!edges_make(&e, r, &failed)) return !failed;
+    if (r->options.time > 0.0) e.rays_per_sample = r->image->edge_rays;
     parallel_for_all(r->pool, e.count, EDGES_CHUNK, change_edges, &e);
     apply_changes(&e);
     stats_set(&r->stats, "image.edge_pixels", (double)e.count);

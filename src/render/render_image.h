@@ -168,8 +168,8 @@ struct render_image {
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored
-    bool edges_fit;               // whether a time limit leaves time for edges
-    double edge_seconds;          // that they will take, if so
+    uint32_t edge_rays;           // at edges, per sample, with a time limit; 0: there is no time
+    double edge_seconds;          // that they will take
     uint64_t edges_planned;       // `taken` when both were found; 0: never
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     bool rare_emission;           // whether many pixels had emission by chance then
@@ -265,7 +265,7 @@ bool render_noise_filter(struct render *r);
 bool render_edges_on(const satin_options *options);
 // With a time limit, measures what the next function will take, and decides whether there is the
 // time; there is none if there is no memory. To be called between passes, of which those count that
-// double the samples.
+// add a quarter to the samples.
 void render_edges_plan(struct render *r);
 // If each pixel has a sample, changes the light of pixels at edges of surfaces, after the filter of
 // noise, by eye rays that show what they see. To be called if the image is whole. False if there is
