@@ -16,9 +16,9 @@ enum {
     RADIUS = 3,  // of the pixels of a regression
     REGRESSION_MOST = (2 * RADIUS + 1) * (2 * RADIUS + 1) - 1,
     REGRESSORS = 7,    // albedo, normal, depth
-    LIGHT_LAYERS = 4,  // of light: those before SHADE_EMISSION
+    LIGHT_LAYERS = 4,  // those before SHADE_EMISSION
     VALUES = 3 * LIGHT_LAYERS,
-    RAYS_PER_SAMPLE = 8,  // at least
+    RAYS_PER_SAMPLE = 8,
     RAYS_MOST = 1024,
     EDGES_TIMED = 512,  // pixels that show how long one takes
     EDGES_CHUNK = 64,   // pixels per chunk
@@ -41,6 +41,7 @@ static const double EDGES_FRACTION = 0.05, PLAN_AGAIN = 1.25;
 struct layer_change {
     rgb layer[LIGHT_LAYERS];
 };
+_Static_assert(sizeof(struct layer_change) + sizeof(uint32_t) <= RENDER_EDGES_BYTES, "memory");
 
 struct surface_edges {
     struct render *r;
@@ -311,7 +312,7 @@ static void change_pixel(const struct render_image *image, size_t at, const stru
     for (int c = 0; c < VALUES; c++) {
         const float least = minf(own[c], g->least[c]), most = maxf(own[c], g->most[c]),
                     changed = own[c] + reliance[c / 3] * change[c];
-        change[c] = minf(maxf(changed, least), most) - own[c];
+        change[c] = isfinite(changed) ? minf(maxf(changed, least), most) - own[c] : 0.0f;
     }
     for (int k = 0; k < LIGHT_LAYERS; k++)
         out->layer[k] = rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]);

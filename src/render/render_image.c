@@ -32,6 +32,7 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
     if (options->denoise)
         bytes += sizeof(struct image_uncached) + 4 * sizeof(rgb) + sizeof(struct image_denoised);
     if (!gather_traces_paths(options)) bytes += RENDER_RIMS_BYTES;
+    if (render_edges_on(options)) bytes += RENDER_EDGES_BYTES;
     if (callbacks->snapshot) bytes += 1.0 + sizeof(float) * render_film_channels(scene, options);
     return bytes * pixels;
 }

@@ -263,6 +263,7 @@ bool render_noise_filter(struct render *r);
 
 // Whether an image with these options has rays at edges.
 bool render_edges_on(const satin_options *options);
+enum { RENDER_EDGES_BYTES = 52 };  // its memory per pixel, at most
 // With a time limit, measures what the next function will take, and decides whether there is the
 // time; there is none if there is no memory. To be called between passes, of which those count that
 // add a quarter to the samples.
