@@ -18,7 +18,9 @@ enum {
     REGRESSORS = 7,    // albedo, normal, depth
     LIGHT_LAYERS = 4,  // those before SHADE_EMISSION
     VALUES = 3 * LIGHT_LAYERS,
-    RAYS_PER_SAMPLE = 8,
+    RAYS_PER_SAMPLE = 8,  // up to RAYS_PLENTY rays, from which on there are RAYS_ALWAYS
+    RAYS_PLENTY = 64,
+    RAYS_ALWAYS = 2,
     RAYS_MOST = 1024,
     EDGES_TIMED = 512,  // pixels that show how long one takes
     EDGES_CHUNK = 64,   // pixels per chunk
@@ -268,9 +270,10 @@ static void find_reliance(const struct regression *g, float reliance[LIGHT_LAYER
 
 // The number of rays of a pixel, a power of two, so that they are distributed well.
 static uint32_t count_edge_rays(const struct surface_edges *e, uint32_t samples) {
-    const uint32_t least = (uint32_t)e->r->options.edge_rays;
-    uint32_t rays = 1;
-    while (rays < least || (rays < e->rays_per_sample * samples && rays < RAYS_MOST)) rays *= 2;
+    const uint32_t least = (uint32_t)e->r->options.edge_rays, few = e->rays_per_sample * samples;
+    uint32_t wanted = few < RAYS_PLENTY ? few : RAYS_PLENTY, rays = 1;
+    if (wanted < RAYS_ALWAYS * samples) wanted = RAYS_ALWAYS * samples;
+    while (rays < least || (rays < wanted && rays < RAYS_MOST)) rays *= 2;
     return rays;
 }
 
