@@ -80,7 +80,11 @@ satin_status load_ids_resolve(struct load_xml *xml, struct log log, bool lenient
     }
     xml->id_count = kept;
     for (size_t i = 0; i < xml->id_count; i++)
-        if (!resolve_alias(xml, log, &xml->id[i])) return SATIN_ERROR_INPUT;
+        if (!resolve_alias(xml, log, &xml->id[i]) && !lenient) return SATIN_ERROR_INPUT;
+    size_t known = 0;
+    for (size_t i = 0; i < xml->id_count; i++)
+        if (xml->id[i].node) xml->id[known++] = xml->id[i];
+    xml->id_count = known;
     return SATIN_OK;
 }
 

@@ -135,7 +135,7 @@ satin_status load_path_add(struct load_xml *xml, struct log log, const struct xm
 // Adds an id to the table. SATIN_ERROR_MEMORY is not logged.
 satin_status load_ids_add(struct load_xml *xml, struct xml_id id);
 // Sorts the table, refuses duplicates and resolves aliases. If `lenient`, the first of several
-// objects with one id counts, with a warning.
+// objects with one id counts, and an alias of an unknown id is unknown too, with a warning each.
 satin_status load_ids_resolve(struct load_xml *xml, struct log log, bool lenient);
 // The object with that id, or NULL.
 struct xml_node *load_xml_find(const struct load_xml *xml, const char *id);
