@@ -111,7 +111,7 @@ static satin_status finish_film(struct render *r, satin_status status, satin_fil
         log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is coarse%s",
                     render_stage_name(r->progress.cancelled_in),
                     r->progress.course == COURSE_COARSE_DIRECT ? ", with direct light alone" : "");
-    if (!render_noise_filter(r)) return SATIN_ERROR_MEMORY;
+    if (!render_irradiance_filter(r) || !render_noise_filter(r)) return SATIN_ERROR_MEMORY;
     if (status == SATIN_OK && !render_edges(r)) return SATIN_ERROR_MEMORY;
     bool any;
     render_image_film(r, &any);

@@ -25,7 +25,7 @@ struct asked {
 };
 
 bool render_denoise_memory(struct render_image *image) {
-    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    const size_t pixels = render_pixel_count(image);
     image->uncached = array_new(pixels, sizeof *image->uncached);
     image->planes = array_new(pixels, 4 * sizeof *image->planes);
     image->explained = array_new(pixels, sizeof *image->explained);

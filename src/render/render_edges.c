@@ -2,61 +2,55 @@
 // Edges of surfaces in the image. Of a pixel that an edge crosses, a few samples do not show how
 // much each surface covers, although an eye ray for the surface alone costs a small fraction of a
 // sample. So such pixels have many of these rays, and where the surfaces that the samples have met
-// differ from these in the mean, light is added for the difference: by a linear regression of light
-// on surfaces over the pixels around. As these are other samples, the expected value stays.
+// differ in the mean from those that all have, light is added for the difference: by a linear
+// regression of light on surfaces over the pixels around. Whether a pixel is at an edge, and the
+// regression, follow from other pixels alone, so the expected value stays.
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/array.h"
 #include "render/render_image.h"
+#include "render/render_regression.h"
 
 // The constants are measured in docs/experiments/edges.md.
 enum {
-    RADIUS = 3,  // of the pixels of a regression
-    REGRESSION_MOST = (2 * RADIUS + 1) * (2 * RADIUS + 1) - 1,
-    REGRESSORS = 7,    // albedo, normal, depth
-    LIGHT_LAYERS = 4,  // those before SHADE_EMISSION
-    VALUES = 3 * LIGHT_LAYERS,
+    RADIUS = 3,           // of the pixels of a regression
+    EDGE_NEAR = 2,        // of those that show whether there is an edge
     RAYS_PER_SAMPLE = 8,  // up to RAYS_PLENTY rays, from which on there are RAYS_ALWAYS
     RAYS_PLENTY = 64,
     RAYS_ALWAYS = 2,
-    RAYS_MOST = 1024,
-    EDGES_TIMED = 512,  // pixels that show how long one takes
-    EDGES_CHUNK = 64,   // pixels per chunk
-    ROWS_CHUNK = 8
+    RAYS_MOST = 1024,    // a pixel with as many samples has no rays
+    RAY_SHIFT_MOST = 2,  // their number is divided by 1 << this, at most, for a time limit
+    EDGES_TIMED = 512,   // pixels that show how long one takes
+    EDGES_CHUNK = 64,    // pixels per chunk
+    COMPARE_CHUNK = 2048
 };
 
-// Surfaces are alike if no channel of albedo or normal differs by more than this, and the depth not
-// by more than this fraction.
+// Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
+// the depth not by more than this fraction.
 static const float EDGE_ALIKE = 0.1f;
-// Added to the variance of each regressor, relative to it.
-static const float RIDGE = 0.1f;
-// A regressor that deviates by less than this does not vary; of depth, relative to it.
-static const float VARIES_LEAST = 1e-3f;
-// A regression counts as far as it explains more than this many times what noise would.
-static const float EXPLAINED_LEAST = 4.0f;
-// Fraction of a time limit that edges take if there are enough rays, and at most twice of it. It is
-// planned again when there are so many times the samples.
-static const double EDGES_FRACTION = 0.05, PLAN_AGAIN = 1.25;
+// No light follows from a surface that differs by less than this.
+static const float EDGE_NONE = 1e-4f;
+// The light of a pixel that goes at most, so that rounding makes none negative.
+static const float ALMOST_ALL = 1.0f - 1e-5f;
+// Fraction of a time limit that edges may take, and half more with the fewest rays. It is planned
+// again when there are so many times the samples.
+static const double EDGES_FRACTION = 0.1, PLAN_AGAIN = 2.0;
 
-struct layer_change {
-    rgb layer[LIGHT_LAYERS];
+// What is added to the means of a pixel.
+struct pixel_change {
+    rgb light[REGRESSION_LAYERS];
+    struct shade_surface surface;
 };
-_Static_assert(sizeof(struct layer_change) + sizeof(uint32_t) <= RENDER_EDGES_BYTES, "memory");
+_Static_assert(sizeof(struct pixel_change) + sizeof(uint32_t) + 1 <= RENDER_EDGES_BYTES, "memory");
 
 struct surface_edges {
     struct render *r;
-    uint32_t *pixel;  // y * width + x, row by row
-    uint32_t *found;  // number of them in each row
-    struct layer_change *change;
-    size_t count;
-    uint32_t rays_per_sample;
+    uint8_t *differs;  // of each pixel, from the neighbours in directions FORWARD: a bit each
+    struct pixel_list list;
+    struct pixel_change *change;
+    int ray_shift;  // the numbers of rays are divided by 1 << ray_shift
 };
-
-static size_t image_pixels(const struct render_image *image) {
-    return (size_t)image->width * (size_t)image->height;
-}
 
 // ---- Where edges are ----------------------------------------------------------------------------
 
@@ -64,87 +58,102 @@ static struct shade_surface mean_surface(const struct image_pixel *pixel) {
     const float scale = render_image_scale(pixel);
     return (struct shade_surface){.albedo = rgb_scale(pixel->layer[SHADE_ALBEDO], scale),
                                   .normal = rgb_scale(pixel->layer[SHADE_NORMAL], scale),
-                                  .depth = pixel->depth * scale};
+                                  .depth = pixel->depth * scale,
+                                  .alpha = pixel->alpha * scale};
 }
 
 static float most_difference(rgb a, rgb b) {
     return maxf(maxf(fabsf(a.r - b.r), fabsf(a.g - b.g)), fabsf(a.b - b.b));
 }
 
-static bool alike(const struct shade_surface *a, const struct shade_surface *b) {
-    return most_difference(a->albedo, b->albedo) <= EDGE_ALIKE &&
-           most_difference(a->normal, b->normal) <= EDGE_ALIKE &&
-           fabsf(a->depth - b->depth) <= EDGE_ALIKE * maxf(a->depth, b->depth);
+static bool alike(const struct shade_surface *a, const struct shade_surface *b, float most) {
+    return most_difference(a->albedo, b->albedo) <= most &&
+           most_difference(a->normal, b->normal) <= most && fabsf(a->alpha - b->alpha) <= most &&
+           fabsf(a->depth - b->depth) <= most * maxf(a->depth, b->depth);
 }
 
-static bool is_edge(const struct render_image *image, int x, int y) {
-    const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-    const struct shade_surface own = mean_surface(&image->pixel[at]);
-    if (!image->pixel[at].samples) return false;
-    for (int i = 0; i < 9; i++) {
-        const int u = x + i % 3 - 1, v = y + i / 3 - 1;
-        if (u < 0 || u >= image->width || v < 0 || v >= image->height) continue;
-        const struct image_pixel *other =
-            &image->pixel[(size_t)v * (size_t)image->width + (size_t)u];
-        const struct shade_surface surface = mean_surface(other);
-        if (other->samples && !alike(&own, &surface)) return true;
+// Each pair of neighbours is in one of these directions.
+enum { FORWARDS = 4 };
+static const int FORWARD[FORWARDS][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+
+static bool in_image(const struct render_image *image, int x, int y) {
+    return x >= 0 && x < image->width && y >= 0 && y < image->height;
+}
+
+static size_t index_at(const struct render_image *image, int x, int y) {
+    return (size_t)y * (size_t)image->width + (size_t)x;
+}
+
+static void compare_neighbours(void *ctx, size_t begin, size_t end, int worker) {
+    const struct surface_edges *e = ctx;
+    const struct render_image *image = e->r->image;
+    (void)worker;
+    for (size_t at = begin; at < end; at++) {
+        const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
+        const struct shade_surface own = mean_surface(&image->pixel[at]);
+        e->differs[at] = 0;
+        for (int i = 0; i < FORWARDS && image->pixel[at].samples; i++) {
+            const int u = x + FORWARD[i][0], v = y + FORWARD[i][1];
+            if (!in_image(image, u, v)) continue;
+            const struct image_pixel *other = &image->pixel[index_at(image, u, v)];
+            const struct shade_surface surface = mean_surface(other);
+            if (other->samples && !alike(&own, &surface, EDGE_ALIKE))
+                e->differs[at] |= (uint8_t)(1 << i);
+        }
+    }
+}
+
+// Whether pixel (u, v) differs from a neighbour forward of it that is near pixel (x, y), but not
+// that pixel itself.
+static bool differs_beside(uint8_t bits, int u, int v, int x, int y) {
+    for (int i = 0; i < FORWARDS; i++) {
+        const int dx = u + FORWARD[i][0] - x, dy = v + FORWARD[i][1] - y;
+        if (bits >> i & 1 && abs(dx) <= EDGE_NEAR && dy <= EDGE_NEAR && (dx || dy)) return true;
     }
     return false;
 }
 
-// Stores the pixels of each row from the index on at which the row begins.
-static void search_edge_rows(void *ctx, size_t begin, size_t end, int worker) {
+// Whether two neighbours near the pixel differ. If its own samples decided, those of which the
+// surface is rare would be corrected more often, and it would vanish.
+static bool is_edge(const void *ctx, size_t at) {
     const struct surface_edges *e = ctx;
     const struct render_image *image = e->r->image;
-    const size_t width = (size_t)image->width;
-    (void)worker;
-    for (size_t y = begin; y < end; y++)
-        for (size_t x = 0; x < width; x++)
-            if (is_edge(image, (int)x, (int)y))
-                e->pixel[y * width + e->found[y]++] = (uint32_t)(y * width + x);
-}
-
-static void find_edges(struct surface_edges *e) {
-    const size_t width = (size_t)e->r->image->width, height = (size_t)e->r->image->height;
-    parallel_for_all(e->r->pool, height, ROWS_CHUNK, search_edge_rows, e);
-    for (size_t y = 0; y < height; y++) {
-        memmove(e->pixel + e->count, e->pixel + y * width, e->found[y] * sizeof *e->pixel);
-        e->count += e->found[y];
-    }
+    const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
+    const uint32_t samples = image->pixel[at].samples;
+    if (!samples || samples >= RAYS_MOST) return false;
+    for (int v = y - EDGE_NEAR; v <= y + EDGE_NEAR; v++)
+        for (int u = x - EDGE_NEAR; u <= x + EDGE_NEAR; u++) {
+            if (!in_image(image, u, v) || (u == x && v == y)) continue;
+            const uint8_t bits = e->differs[index_at(image, u, v)];
+            if (bits && differs_beside(bits, u, v, x, y)) return true;
+        }
+    return false;
 }
 
 // ---- Regression ---------------------------------------------------------------------------------
 
-struct regression {
-    int count;
-    float weight[REGRESSION_MOST], x[REGRESSION_MOST][REGRESSORS], y[REGRESSION_MOST][VALUES];
-    float sum, x_mean[REGRESSORS], y_mean[VALUES];
-    float least[VALUES], most[VALUES];
-    float scale[REGRESSORS];          // one over the deviation; 0: it does not vary
-    float a[REGRESSORS][REGRESSORS];  // correlations
-    float b[REGRESSORS][VALUES];      // with the values
-    float slope[REGRESSORS][VALUES];  // of values by scaled regressors
-};
-
 static void put_surface(const struct shade_surface *s, float x[REGRESSORS]) {
     const float all[REGRESSORS] = {s->albedo.r, s->albedo.g, s->albedo.b, s->normal.r,
-                                   s->normal.g, s->normal.b, s->depth};
+                                   s->normal.g, s->normal.b, s->depth,    s->alpha};
     memcpy(x, all, sizeof all);
 }
 
-// The light of a pixel, layer by layer.
-static void put_light(const struct render_image *image, size_t at, float y[VALUES]) {
+// The light of a pixel, layer by layer, as filters leave it.
+static void put_light(const struct render_image *image, size_t at, float y[REGRESSION_VALUES]) {
     const struct image_pixel *p = &image->pixel[at];
     const float scale = render_image_scale(p);
-    rgb light[LIGHT_LAYERS];
-    for (int k = 0; k < LIGHT_LAYERS; k++) light[k] = rgb_scale(p->layer[k], scale);
+    rgb light[REGRESSION_LAYERS];
+    for (int k = 0; k < REGRESSION_LAYERS; k++) light[k] = rgb_scale(p->layer[k], scale);
+    if (image->irradiance)
+        light[SHADE_INDIRECT_DIFFUSE] =
+            rgb_add(light[SHADE_INDIRECT_DIFFUSE], image->irradiance[at]);
     if (image->change) {
         const struct image_change *change = &image->change[at];
         light[SHADE_DIRECT] = rgb_add(light[SHADE_DIRECT], change->layer[NOISY_DIRECT]);
         light[SHADE_INDIRECT_GLOSSY] =
             rgb_add(light[SHADE_INDIRECT_GLOSSY], change->layer[NOISY_GLOSSY]);
     }
-    for (int k = 0; k < LIGHT_LAYERS; k++) {
+    for (int k = 0; k < REGRESSION_LAYERS; k++) {
         y[3 * k] = light[k].r;
         y[3 * k + 1] = light[k].g;
         y[3 * k + 2] = light[k].b;
@@ -156,8 +165,8 @@ static void read_neighbours(const struct render_image *image, size_t at, struct 
     g->count = 0;
     for (int v = y - RADIUS; v <= y + RADIUS; v++)
         for (int u = x - RADIUS; u <= x + RADIUS; u++) {
-            if (u < 0 || u >= image->width || v < 0 || v >= image->height) continue;
-            const size_t from = (size_t)v * (size_t)image->width + (size_t)u;
+            if (!in_image(image, u, v)) continue;
+            const size_t from = index_at(image, u, v);
             const struct image_pixel *pixel = &image->pixel[from];
             if (from == at || !pixel->samples) continue;
             const struct shade_surface surface = mean_surface(pixel);
@@ -167,122 +176,26 @@ static void read_neighbours(const struct render_image *image, size_t at, struct 
         }
 }
 
-static void take_means(struct regression *g) {
-    g->sum = 0.0f;
-    memset(g->x_mean, 0, sizeof g->x_mean);
-    memset(g->y_mean, 0, sizeof g->y_mean);
-    memcpy(g->least, g->y[0], sizeof g->least);
-    memcpy(g->most, g->y[0], sizeof g->most);
-    for (int i = 0; i < g->count; i++) {
-        const float *x = g->x[i], *y = g->y[i], w = g->weight[i];
-        g->sum += w;
-        for (int k = 0; k < REGRESSORS; k++) g->x_mean[k] += w * x[k];
-        for (int c = 0; c < VALUES; c++) {
-            g->y_mean[c] += w * y[c];
-            g->least[c] = minf(y[c], g->least[c]);
-            g->most[c] = maxf(y[c], g->most[c]);
-        }
-    }
-    for (int k = 0; k < REGRESSORS; k++) g->x_mean[k] /= g->sum;
-    for (int c = 0; c < VALUES; c++) g->y_mean[c] /= g->sum;
-}
-
-// Subtracts the means, and scales the regressors.
-static void normalize(struct regression *g) {
-    float squares[REGRESSORS] = {0.0f};
-    for (int i = 0; i < g->count; i++) {
-        for (int c = 0; c < VALUES; c++) g->y[i][c] -= g->y_mean[c];
-        for (int k = 0; k < REGRESSORS; k++) {
-            g->x[i][k] -= g->x_mean[k];
-            squares[k] += g->weight[i] * g->x[i][k] * g->x[i][k];
-        }
-    }
-    for (int k = 0; k < REGRESSORS; k++) {
-        const float least = VARIES_LEAST * (k == REGRESSORS - 1 ? g->x_mean[k] : 1.0f),
-                    deviation = sqrtf(squares[k] / g->sum);
-        g->scale[k] = deviation > least ? 1.0f / deviation : 0.0f;
-    }
-    for (int i = 0; i < g->count; i++)
-        for (int k = 0; k < REGRESSORS; k++) g->x[i][k] *= g->scale[k];
-}
-
-static void correlate(struct regression *g) {
-    memset(g->a, 0, sizeof g->a);
-    memset(g->b, 0, sizeof g->b);
-    for (int i = 0; i < g->count; i++)
-        for (int k = 0; k < REGRESSORS; k++) {
-            const float wx = g->weight[i] / g->sum * g->x[i][k];
-            for (int l = 0; l < REGRESSORS; l++) g->a[k][l] += wx * g->x[i][l];
-            for (int c = 0; c < VALUES; c++) g->b[k][c] += wx * g->y[i][c];
-        }
-}
-
-// Solves (A + RIDGE) slope = B by the Cholesky decomposition.
-static void solve(struct regression *g) {
-    float c[REGRESSORS][REGRESSORS];
-    for (int k = 0; k < REGRESSORS; k++)
-        for (int l = 0; l <= k; l++) {
-            float left = g->a[k][l] + (k == l ? RIDGE : 0.0f);
-            for (int m = 0; m < l; m++) left -= c[k][m] * c[l][m];
-            c[k][l] = k == l ? sqrtf(left) : left / c[l][l];
-        }
-    memcpy(g->slope, g->b, sizeof g->slope);
-    for (int k = 0; k < REGRESSORS; k++) {
-        for (int m = 0; m < k; m++)
-            for (int v = 0; v < VALUES; v++) g->slope[k][v] -= c[k][m] * g->slope[m][v];
-        for (int v = 0; v < VALUES; v++) g->slope[k][v] /= c[k][k];
-    }
-    for (int k = REGRESSORS - 1; k >= 0; k--) {
-        for (int m = k + 1; m < REGRESSORS; m++)
-            for (int v = 0; v < VALUES; v++) g->slope[k][v] -= c[m][k] * g->slope[m][v];
-        for (int v = 0; v < VALUES; v++) g->slope[k][v] /= c[k][k];
-    }
-}
-
-// Sets how far the regression of each layer counts, from 0 to 1: by its variance that the
-// regressors explain, over what they would explain if it were noise.
-static void find_reliance(const struct regression *g, float reliance[LIGHT_LAYERS]) {
-    float squares = 0.0f, explained[VALUES] = {0.0f}, left[VALUES] = {0.0f};
-    for (int i = 0; i < g->count; i++) {
-        squares += sqrf(g->weight[i]);
-        for (int c = 0; c < VALUES; c++) left[c] += g->weight[i] / g->sum * sqrf(g->y[i][c]);
-    }
-    for (int k = 0; k < REGRESSORS; k++) {
-        float predicted[VALUES] = {0.0f};
-        for (int l = 0; l < REGRESSORS; l++)
-            for (int c = 0; c < VALUES; c++) predicted[c] += g->a[k][l] * g->slope[l][c];
-        for (int c = 0; c < VALUES; c++) {
-            explained[c] += g->slope[k][c] * predicted[c];
-            left[c] += g->slope[k][c] * (predicted[c] - 2.0f * g->b[k][c]);
-        }
-    }
-    // The number of pixels that would be as many if all had equal weights.
-    const float n = maxf(sqrf(g->sum) / squares, REGRESSORS + 2.0f);
-    for (int k = 0; k < LIGHT_LAYERS; k++) {
-        const float whole = explained[3 * k] + explained[3 * k + 1] + explained[3 * k + 2],
-                    noise = maxf(left[3 * k] + left[3 * k + 1] + left[3 * k + 2], 0.0f) *
-                            REGRESSORS / (n - REGRESSORS - 1.0f);
-        reliance[k] = whole > 0.0f ? maxf(1.0f - EXPLAINED_LEAST * noise / whole, 0.0f) : 0.0f;
-    }
-}
-
 // ---- The change of a pixel ----------------------------------------------------------------------
 
-// The number of rays of a pixel, a power of two, so that they are distributed well.
-static uint32_t count_edge_rays(const struct surface_edges *e, uint32_t samples) {
-    const uint32_t least = (uint32_t)e->r->options.edge_rays, few = e->rays_per_sample * samples;
-    uint32_t wanted = few < RAYS_PLENTY ? few : RAYS_PLENTY, rays = 1;
-    if (wanted < RAYS_ALWAYS * samples) wanted = RAYS_ALWAYS * samples;
-    while (rays < least || (rays < wanted && rays < RAYS_MOST)) rays *= 2;
-    return rays;
+// The number of rays of a pixel with so many samples, a power of two, so that they are distributed
+// well.
+static uint32_t count_edge_rays(const struct surface_edges *e, double samples) {
+    const double few = fmin(RAYS_PER_SAMPLE * samples, RAYS_PLENTY),
+                 wanted = fmin(fmax(few, RAYS_ALWAYS * samples), RAYS_MOST),
+                 most = fmax(wanted, e->r->options.edge_rays);
+    uint32_t rays = 1;
+    while (rays < most) rays *= 2;
+    rays >>= e->ray_shift;
+    return rays ? rays : 1;
 }
 
-// The mean of the surfaces that the pixel's rays see, by the filter's weights.
-static struct shade_surface trace_surfaces(const struct surface_edges *e, size_t at) {
+// The mean of the surfaces that the rays of a pixel see, by the filter's weights.
+static struct shade_surface trace_surfaces(const struct surface_edges *e, size_t at,
+                                           uint32_t rays) {
     const size_t width = (size_t)e->r->image->width;
     struct shade_surface sum = {0};
     float weights = 0.0f;
-    const uint32_t rays = count_edge_rays(e, e->r->image->pixel[at].samples);
     for (uint32_t k = 0; k < rays; k++) {
         struct shade_surface s;
         const float weight =
@@ -292,33 +205,39 @@ static struct shade_surface trace_surfaces(const struct surface_edges *e, size_t
         sum.albedo = rgb_mad(sum.albedo, s.albedo, weight);
         sum.normal = rgb_mad(sum.normal, s.normal, weight);
         sum.depth += s.depth * weight;
+        sum.alpha += s.alpha * weight;
         weights += weight;
     }
     const float scale = 1.0f / weights;
     return (struct shade_surface){rgb_scale(sum.albedo, scale), rgb_scale(sum.normal, scale),
-                                  sum.depth * scale};
+                                  sum.depth * scale, sum.alpha * scale};
 }
 
-// Sets the change, so that each value stays among those of the pixel and of its neighbours.
-static void change_pixel(const struct render_image *image, size_t at, const struct regression *g,
-                         const struct shade_surface *found, struct layer_change *out) {
-    float own[VALUES], met[REGRESSORS], x[REGRESSORS], change[VALUES] = {0.0f},
-                                                       reliance[LIGHT_LAYERS];
-    const struct shade_surface samples = mean_surface(&image->pixel[at]);
+// What the mean over samples and rays differs by from that over samples alone. The variance of
+// either falls as the power 1.5 of their number, where an edge crosses the pixel.
+static struct shade_surface surface_change(const struct shade_surface *samples, uint32_t count,
+                                           const struct shade_surface *found, uint32_t rays) {
+    const float n = (float)count * sqrtf((float)count), m = (float)rays * sqrtf((float)rays);
+    const float part = m / (n + m);
+    return (struct shade_surface){rgb_scale(rgb_sub(found->albedo, samples->albedo), part),
+                                  rgb_scale(rgb_sub(found->normal, samples->normal), part),
+                                  part * (found->depth - samples->depth),
+                                  part * (found->alpha - samples->alpha)};
+}
+
+// Light changes by no more than it does between the pixels around, and is not negative.
+static void change_light(const struct render_image *image, size_t at, const struct regression *g,
+                         struct pixel_change *out) {
+    float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
     put_light(image, at, own);
-    put_surface(&samples, met);
-    put_surface(found, x);
-    find_reliance(g, reliance);
-    for (int k = 0; k < REGRESSORS; k++)
-        for (int c = 0; c < VALUES; c++)
-            change[c] += (x[k] - met[k]) * g->scale[k] * g->slope[k][c];
-    for (int c = 0; c < VALUES; c++) {
-        const float least = minf(own[c], g->least[c]), most = maxf(own[c], g->most[c]),
-                    changed = own[c] + reliance[c / 3] * change[c];
-        change[c] = isfinite(changed) ? minf(maxf(changed, least), most) - own[c] : 0.0f;
+    put_surface(&out->surface, dx);
+    render_regression_change(g, dx, change);
+    for (int c = 0; c < REGRESSION_VALUES; c++) {
+        const float most = g->most[c] - g->least[c], least = -at_least(ALMOST_ALL * own[c], 0.0f);
+        change[c] = isfinite(change[c]) ? clampf(change[c], maxf(least, -most), most) : 0.0f;
     }
-    for (int k = 0; k < LIGHT_LAYERS; k++)
-        out->layer[k] = rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]);
+    for (int k = 0; k < REGRESSION_LAYERS; k++)
+        out->light[k] = rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]);
 }
 
 static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
@@ -327,27 +246,38 @@ static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct regression g;
-        const size_t at = e->pixel[i];
+        const size_t at = e->list.pixel[i];
+        const uint32_t samples = image->pixel[at].samples,
+                       rays = count_edge_rays(e, (double)samples);
+        const struct shade_surface met = mean_surface(&image->pixel[at]),
+                                   found = trace_surfaces(e, at, rays);
+        if (alike(&met, &found, EDGE_NONE)) continue;
         read_neighbours(image, at, &g);
-        if (g.count <= REGRESSORS + 1) continue;
-        const struct shade_surface found = trace_surfaces(e, at);
-        take_means(&g);
-        normalize(&g);
-        correlate(&g);
-        solve(&g);
-        change_pixel(image, at, &g, &found, &e->change[i]);
+        if (g.count < REGRESSION_LEAST) continue;
+        e->change[i].surface = surface_change(&met, samples, &found, rays);
+        render_regression_fit(&g);
+        change_light(image, at, &g, &e->change[i]);
     }
 }
 
+static void change_sum(rgb *sum, rgb change, float weight) {
+    change = rgb_scale(change, weight);
+    if (rgb_finite(change)) *sum = rgb_add(*sum, change);
+}
+
 static void apply_changes(const struct surface_edges *e) {
-    for (size_t i = 0; i < e->count; i++) {
-        struct image_pixel *pixel = &e->r->image->pixel[e->pixel[i]];
-        for (int k = 0; k < LIGHT_LAYERS; k++) {
-            const rgb change = rgb_scale(e->change[i].layer[k], pixel->weight);
-            if (!rgb_finite(change)) continue;
-            pixel->beauty = rgb_add(pixel->beauty, change);
-            pixel->layer[k] = rgb_add(pixel->layer[k], change);
+    for (size_t i = 0; i < e->list.count; i++) {
+        struct image_pixel *pixel = &e->r->image->pixel[e->list.pixel[i]];
+        const struct pixel_change *change = &e->change[i];
+        const float weight = pixel->weight;
+        for (int k = 0; k < REGRESSION_LAYERS; k++) {
+            change_sum(&pixel->beauty, change->light[k], weight);
+            change_sum(&pixel->layer[k], change->light[k], weight);
         }
+        change_sum(&pixel->layer[SHADE_ALBEDO], change->surface.albedo, weight);
+        change_sum(&pixel->layer[SHADE_NORMAL], change->surface.normal, weight);
+        pixel->depth += change->surface.depth * weight;
+        pixel->alpha += change->surface.alpha * weight;
     }
 }
 
@@ -358,37 +288,40 @@ bool render_edges_on(const satin_options *o) {
 // ---- The image ----------------------------------------------------------------------------------
 
 static void edges_destroy(struct surface_edges *e) {
-    free(e->pixel);
-    free(e->found);
+    render_pixels_destroy(&e->list);
+    free(e->differs);
     free(e->change);
 }
 
 // Finds the edges of the image. False if it is not to have any and, with *failed, if there is no
 // memory.
 static bool edges_make(struct surface_edges *e, struct render *r, bool *failed) {
-    const size_t pixels = image_pixels(r->image);
-    *e = (struct surface_edges){.r = r, .rays_per_sample = RAYS_PER_SAMPLE};
+    const size_t pixels = render_pixel_count(r->image);
+    *e = (struct surface_edges){.r = r};
     *failed = false;
     if (!render_edges_on(&r->options) || r->image->taken < pixels) return false;
     parallel_begin_part(r->pool, "edges");
-    e->pixel = array_new_unset(pixels, sizeof *e->pixel);
-    e->found = array_new((size_t)r->image->height, sizeof *e->found);
-    if (e->pixel && e->found) find_edges(e);
-    e->change = array_new(e->count, sizeof *e->change);
-    *failed = !e->pixel || !e->found || !e->change;
+    e->differs = array_new_unset(pixels, sizeof *e->differs);
+    *failed = !e->differs || !render_pixels_make(&e->list, r->image);
+    if (!*failed) {
+        parallel_for_all(r->pool, pixels, COMPARE_CHUNK, compare_neighbours, e);
+        render_pixels_find(&e->list, r, is_edge, e);
+        e->change = array_new(e->list.count, sizeof *e->change);
+        *failed = !e->change;
+    }
     if (*failed) edges_destroy(e);
     return !*failed;
 }
 
 static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
     const struct surface_edges *e = ctx;
-    const size_t step = e->count / EDGES_TIMED + 1;
+    const size_t step = e->list.count / EDGES_TIMED + 1;
     for (size_t i = begin; i < end; i++) change_edges(ctx, i * step, i * step + 1, worker);
 }
 
 // The time that all edges take, measured at some, whose changes are not applied.
 static double edges_seconds(struct surface_edges *e) {
-    const size_t step = e->count / EDGES_TIMED + 1, timed = e->count / step;
+    const size_t step = e->list.count / EDGES_TIMED + 1, timed = e->list.count / step;
     const double start = stats_wall();
     parallel_for_all(e->r->pool, timed, EDGES_CHUNK / 8, time_edges, e);
     return (stats_wall() - start) * (double)step;
@@ -400,21 +333,24 @@ void render_edges_plan(struct render *r) {
     bool failed;
     if (!(r->options.time > 0.0) || (double)image->taken < PLAN_AGAIN * image->edges_planned)
         return;
-    image->edge_rays = 0;
+    image->edges_fit = false;
     image->edge_seconds = 0.0;
     image->edges_planned = image->taken;
     if (!edges_make(&e, r, &failed)) return;
     // Up to twice as many samples will be there at the next plan, or at the end.
-    const double more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
-                 growth = fmin(1.0 + more / (double)image->taken, 2.0),
+    const double samples = (double)image->taken / (double)render_pixel_count(image),
+                 more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
+                 later = samples * fmin(1.0 + more / (double)image->taken, PLAN_AGAIN),
+                 growth = (double)count_edge_rays(&e, later) / count_edge_rays(&e, samples),
                  most = EDGES_FRACTION * r->options.time;
     double seconds = growth * render_agreed(r, edges_seconds(&e));
-    while (seconds > most && e.rays_per_sample > 1) {
-        e.rays_per_sample /= 2;
+    while (seconds > most && e.ray_shift < RAY_SHIFT_MOST) {
+        e.ray_shift++;
         seconds = growth * render_agreed(r, edges_seconds(&e));
     }
-    if (seconds <= 2.0 * most) {
-        image->edge_rays = e.rays_per_sample;
+    if (seconds <= 1.5 * most) {
+        image->edges_fit = true;
+        image->edge_ray_shift = e.ray_shift;
         image->edge_seconds = seconds;
     }
     edges_destroy(&e);
@@ -423,12 +359,12 @@ void render_edges_plan(struct render *r) {
 bool render_edges(struct render *r) {
     struct surface_edges e;
     bool failed;
-    if (r->options.time > 0.0 && !r->image->edge_rays) return true;
+    if (r->options.time > 0.0 && !r->image->edges_fit) return true;
     if (!edges_make(&e, r, &failed)) return !failed;
-    if (r->options.time > 0.0) e.rays_per_sample = r->image->edge_rays;
-    parallel_for_all(r->pool, e.count, EDGES_CHUNK, change_edges, &e);
+    if (r->options.time > 0.0) e.ray_shift = r->image->edge_ray_shift;
+    parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, change_edges, &e);
     apply_changes(&e);
-    stats_set(&r->stats, "image.edge_pixels", (double)e.count);
+    stats_set(&r->stats, "image.edge_pixels", (double)e.list.count);
     edges_destroy(&e);
     return true;
 }

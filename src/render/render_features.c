@@ -27,10 +27,6 @@ struct features {
     struct image_uncached *pixel;
 };
 
-static size_t count_pixels(const struct render *r) {
-    return (size_t)r->image->width * (size_t)r->image->height;
-}
-
 static float find_features(const struct render *r, size_t at, uint32_t index,
                            struct shade_features *found) {
     const size_t width = (size_t)r->image->width;
@@ -73,7 +69,7 @@ static void find_varying(void *ctx, size_t begin, size_t end, int worker) {
 
 static void time_features(void *ctx, size_t begin, size_t end, int worker) {
     const struct features *f = ctx;
-    const size_t step = count_pixels(f->r) / FEATURES_TIMED + 1;
+    const size_t step = render_pixel_count(f->r->image) / FEATURES_TIMED + 1;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct shade_features found;
@@ -83,7 +79,8 @@ static void time_features(void *ctx, size_t begin, size_t end, int worker) {
 
 // The time of a ray, measured at some that do not count.
 static double feature_seconds(struct features *f) {
-    const size_t timed = count_pixels(f->r) / (count_pixels(f->r) / FEATURES_TIMED + 1);
+    const size_t timed =
+        render_pixel_count(f->r->image) / (render_pixel_count(f->r->image) / FEATURES_TIMED + 1);
     const double start = stats_wall();
     parallel_for_all(f->r->pool, timed, FEATURES_CHUNK / 16, time_features, f);
     return render_agreed(f->r, stats_wall() - start) / (double)timed;
@@ -94,14 +91,15 @@ static bool can_be_clean(const struct render *r, double most) {
     const double pixel_seconds = r->denoiser ? film_denoiser_pixel_seconds(r->denoiser, true) -
                                                    film_denoiser_pixel_seconds(r->denoiser, false)
                                              : 0.0;
-    return pixel_seconds * (double)count_pixels(r) <= most;
+    return pixel_seconds * (double)render_pixel_count(r->image) <= most;
 }
 
 // The samples that a pixel is expected to have in the end.
 static double expected_samples(const struct render *r, double left) {
     const struct render_image *image = r->image;
     const double more = isfinite(left) ? fmax(left, 0.0) / image->sample_seconds : INFINITY;
-    return fmin((double)r->options.spp, ((double)image->taken + more) / (double)count_pixels(r));
+    return fmin((double)r->options.spp,
+                ((double)image->taken + more) / (double)render_pixel_count(r->image));
 }
 
 // Finds where features vary, and gives these pixels as many rays as fit into the time that is left
@@ -109,17 +107,17 @@ static double expected_samples(const struct render *r, double left) {
 static void plan_features(struct features *f, double left) {
     struct render *r = f->r;
     const double samples = expected_samples(r, left), most = FEATURES_FRACTION * left;
-    parallel_for_all(r->pool, count_pixels(r), FEATURES_CHUNK, find_varying, f);
+    parallel_for_all(r->pool, render_pixel_count(r->image), FEATURES_CHUNK, find_varying, f);
     size_t count = 0;
-    for (size_t i = 0; i < count_pixels(r); i++) count += f->pixel[i].wanted;
+    for (size_t i = 0; i < render_pixel_count(r->image); i++) count += f->pixel[i].wanted;
     const double seconds = isfinite(most) ? feature_seconds(f) * (double)count : 0.0;
     uint16_t rays = FEATURES_MOST;
     while (rays > 0 && (samples + rays > FEATURES_MOST || seconds * rays > most)) rays /= 2;
-    for (size_t i = 0; i < count_pixels(r); i++) f->pixel[i].wanted *= rays;
+    for (size_t i = 0; i < render_pixel_count(r->image); i++) f->pixel[i].wanted *= rays;
     r->image->noisy.clean = samples + rays >= FEATURES_CLEAN && can_be_clean(r, most);
     r->image->has_features = true;
     stats_add(&r->stats, "image.feature_rays",
-              (double)rays * (double)count / (double)count_pixels(r));
+              (double)rays * (double)count / (double)render_pixel_count(r->image));
 }
 
 // ---- The rays -----------------------------------------------------------------------------------
@@ -140,14 +138,15 @@ static void trace_features(void *ctx, size_t begin, size_t end, int worker) {
 
 satin_status render_features(struct render *r) {
     struct render_image *image = r->image;
-    if (!r->options.denoise || render_steps(r)->coarse || image->taken < count_pixels(r))
+    if (!r->options.denoise || render_steps(r)->coarse ||
+        image->taken < render_pixel_count(r->image))
         return SATIN_OK;
     struct features f = {.r = r, .pixel = image->uncached};
     const struct parallel_results results = {.slot = {{f.pixel, sizeof *f.pixel}}};
     const double limit = render_limit_lift(r);
     parallel_begin_part(r->pool, "features");
     if (!image->has_features) plan_features(&f, render_agreed(r, limit - render_elapsed(r)));
-    const bool whole = parallel_for_results(r->pool, count_pixels(r), FEATURES_CHUNK,
+    const bool whole = parallel_for_results(r->pool, render_pixel_count(r->image), FEATURES_CHUNK,
                                             trace_features, &f, &results);
     render_limit_restore(r, limit);
     return whole ? SATIN_OK : SATIN_CANCELLED;
@@ -172,18 +171,18 @@ static void trace_missing(void *ctx, size_t begin, size_t end, int worker) {
 satin_status render_features_late(struct render *r) {
     struct render_image *image = r->image;
     if (!r->options.denoise || render_cancelled(r) || render_steps(r)->coarse ||
-        !(r->options.time > 0.0) || image->taken >= count_pixels(r))
+        !(r->options.time > 0.0) || image->taken >= render_pixel_count(r->image))
         return SATIN_OK;
     struct features f = {.r = r, .pixel = image->uncached};
     const struct parallel_results results = {.slot = {{f.pixel, sizeof *f.pixel}}};
     const double limit = render_limit_lift(r);
     size_t count = 0;
-    for (size_t at = 0; at < count_pixels(r); at++) count += is_missing(&f, at);
+    for (size_t at = 0; at < render_pixel_count(r->image); at++) count += is_missing(&f, at);
     image->filled = (double)count * feature_seconds(&f) <= LATE_FRACTION * r->options.time;
     parallel_begin_part(r->pool, "features");
     const bool whole =
-        !image->filled ||
-        parallel_for_results(r->pool, count_pixels(r), FEATURES_CHUNK, trace_missing, &f, &results);
+        !image->filled || parallel_for_results(r->pool, render_pixel_count(r->image),
+                                               FEATURES_CHUNK, trace_missing, &f, &results);
     render_limit_restore(r, limit);
     return whole ? SATIN_OK : SATIN_CANCELLED;
 }

@@ -138,10 +138,7 @@ void render_film_put(const struct render_image *image, const struct channel_plan
 
 struct filming {
     const struct render_image *image;
-    const struct satin_scene *scene;
-    const satin_options *options;
-    bool filters;  // whether irradiance is filtered
-    int first;     // row of the band
+    int first;  // row of the band
     struct channel_planes planes;
     atomic_uint_fast64_t samples, dropped, filled;
 };
@@ -154,12 +151,9 @@ static void add_to_channel(const struct channel_planes *planes, int channel, siz
     if (plane[2]) plane[2][at] += change.b;
 }
 
-static void filter_irradiance(const struct filming *f, size_t at,
-                              const struct image_pixel *source) {
-    const struct render_image *image = f->image;
-    const size_t from = (size_t)(source - image->pixel), width = (size_t)image->width;
-    const rgb change = render_irradiance_change(image, f->scene, f->options, (int)(from % width),
-                                                (int)(from / width));
+static void add_irradiance_change(const struct filming *f, size_t at,
+                                  const struct image_pixel *source) {
+    const rgb change = f->image->irradiance[source - f->image->pixel];
     add_to_channel(&f->planes, 0, at, change);
     add_to_channel(&f->planes, CHANNEL_LAYERS + 3 * SHADE_INDIRECT_DIFFUSE, at, change);
 }
@@ -198,7 +192,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
         dropped += pixel->dropped;
         filled += source != pixel;
         render_film_put(image, &f->planes, at, source);
-        if (source && f->filters) filter_irradiance(f, at, source);
+        if (source && image->irradiance) add_irradiance_change(f, at, source);
         if (source && image->change) add_noise_change(f, at, source);
         dropped += has_overflowed(&f->planes, at);
     }
@@ -209,10 +203,7 @@ static void set_film_rows(void *ctx, size_t begin, size_t end, int worker) {
 
 void render_image_film(struct render *r, bool *any) {
     const struct render_image *image = r->image;
-    struct filming f = {.image = image,
-                        .scene = &r->scene,
-                        .options = &r->options,
-                        .filters = image->gathered && render_budget_filters(r)};
+    struct filming f = {.image = image};
     atomic_init(&f.samples, 0);
     atomic_init(&f.dropped, 0);
     atomic_init(&f.filled, 0);

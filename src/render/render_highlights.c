@@ -60,9 +60,10 @@ static size_t visit_highlight(struct rims *rims, uint32_t pixel) {
 size_t render_highlights_find(struct rims *rims) {
     const float certain = -expm1f(-HITS_LEAST);
     size_t by_chance = 0, most = 0;
-    for (size_t i = 0; i < rims->count; i++) rims->known[rims->pixel[i]] &= (uint8_t)~RIM_VISITED;
-    for (size_t i = 0; i < rims->count; i++) {
-        const uint32_t pixel = rims->pixel[i];
+    for (size_t i = 0; i < rims->list.count; i++)
+        rims->known[rims->list.pixel[i]] &= (uint8_t)~RIM_VISITED;
+    for (size_t i = 0; i < rims->list.count; i++) {
+        const uint32_t pixel = rims->list.pixel[i];
         if (rims->known[pixel] & RIM_VISITED || rims->emission[pixel] == 0.0f) continue;
         const size_t chance = visit_highlight(rims, pixel);
         by_chance += chance;
@@ -83,9 +84,9 @@ static bool enough_near(const struct rims *rims, size_t pixel) {
 }
 
 void render_highlights_append_near(struct rims *rims) {
-    const size_t found = rims->count;
+    const size_t found = rims->list.count;
     for (size_t i = 0; i < found; i++) {
-        const uint32_t pixel = rims->pixel[i];
+        const uint32_t pixel = rims->list.pixel[i];
         if (rims->known[pixel] & RIM_BY_CHANCE && enough_near(rims, pixel))
             render_rims_append(rims, pixel, NEAR_PIXELS, RIM_NEAR);
     }

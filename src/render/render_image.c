@@ -26,7 +26,8 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
         if ((int)options->cryptomatte >> k & 1) bytes += sizeof(struct cryptomatte_pixel);
     if (options->integrator == SATIN_PATH && !options->denoise)
         bytes += sizeof(struct image_blocks);
-    if (render_irradiance_rays(options) > 0.0f) bytes += sizeof(struct image_gathered);
+    if (render_irradiance_rays(options) > 0.0f)
+        bytes += sizeof(struct image_gathered) + sizeof(rgb);
     if (render_noise_filter_on(options))
         bytes += sizeof(struct image_noisy) + sizeof(struct image_change);
     if (options->denoise)
@@ -91,6 +92,7 @@ void render_image_free(struct render_image *image) {
     free(image->uncached);
     free(image->aov);
     free(image->gathered);
+    free(image->irradiance);
     free(image->noisy_light);
     free(image->change);
     free(image->blocks);

@@ -159,6 +159,7 @@ struct render_image {
     size_t sums;  // number of sums per pixel
     struct render_cryptomatte cryptomatte;
     struct image_gathered *gathered;  // pixel by pixel; NULL: irradiance is not filtered
+    rgb *irradiance;                  // what its filter adds to the means of pixels; NULL before it
     struct adaptive_sampling adapt;
     struct image_blocks *blocks;  // of path, for its variance; else NULL
     uint32_t block;               // number of samples of a block, a power of two
@@ -168,9 +169,10 @@ struct render_image {
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored
-    uint32_t edge_rays;           // at edges, per sample, with a time limit; 0: there is no time
+    bool edges_fit;               // whether a time limit leaves time for edges
+    int edge_ray_shift;           // their numbers of rays are divided by 1 << this for it
     double edge_seconds;          // that they will take
-    uint64_t edges_planned;       // `taken` when both were found; 0: never
+    uint64_t edges_planned;       // `taken` when these were found; 0: never
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     bool rare_emission;           // whether many pixels had emission by chance then
     int coarsest;                 // pixels between the first samples, a power of two
@@ -193,6 +195,24 @@ struct render_image {
     bool denoised;            // whether there is a result
     bool filled;              // whether pixels without a sample have features of their own
 };
+
+static inline size_t render_pixel_count(const struct render_image *image) {
+    return (size_t)image->width * (size_t)image->height;
+}
+
+// Pixels of an image, as y * width + x (render_pixel_list.c).
+struct pixel_list {
+    uint32_t *pixel;  // memory for all of the image
+    uint32_t *found;  // number of those of each row
+    size_t count;
+};
+// An empty list. False if there is no memory; either way it is to be destroyed.
+bool render_pixels_make(struct pixel_list *list, const struct render_image *image);
+void render_pixels_destroy(struct pixel_list *list);
+typedef bool render_pixel_fn(const void *ctx, size_t pixel);
+// Fills an empty list with the pixels of r->image of which it holds, row by row.
+void render_pixels_find(struct pixel_list *list, const struct render *r, render_pixel_fn *holds,
+                        const void *ctx);
 
 // The sampled pixel whose values are used at (x, y): the pixel itself, or the nearest one in the
 // grids of the first samples; NULL if there is none (render_film.c).
@@ -242,6 +262,9 @@ void render_irradiance_gathered(struct image_gathered *sum, const struct shade_s
 // The change of the diffuse indirect light of pixel (x, y), which has a sample.
 rgb render_irradiance_change(const struct render_image *image, const struct satin_scene *scene,
                              const satin_options *options, int x, int y);
+// Sets image->irradiance, if there is what the filter needs, and the time. False if there is no
+// memory.
+bool render_irradiance_filter(struct render *r);
 
 // ---- The filter of noise (render_noise_filter.c)
 
@@ -263,14 +286,14 @@ bool render_noise_filter(struct render *r);
 
 // Whether an image with these options has rays at edges.
 bool render_edges_on(const satin_options *options);
-enum { RENDER_EDGES_BYTES = 52 };  // its memory per pixel, at most
+enum { RENDER_EDGES_BYTES = 88 };  // its memory per pixel, at most
 // With a time limit, measures what the next function will take, and decides whether there is the
 // time; there is none if there is no memory. To be called between passes, of which those count that
 // add a quarter to the samples.
 void render_edges_plan(struct render *r);
 // If each pixel has a sample, changes the light of pixels at edges of surfaces, after the filter of
-// noise, by eye rays that show what they see. To be called if the image is whole. False if there is
-// no memory.
+// noise, by eye rays that show what they see; and albedo, normal, depth and alpha. To be called if
+// the image is whole. False if there is no memory.
 bool render_edges(struct render *r);
 
 // Allocates memory for denoising, which is freed with the image. False if there is no memory

@@ -3,6 +3,7 @@
 // gather there is averaged with what those of the pixels around it gather, with the weights that
 // records of the least radius would have. So a gap between records is as smooth as they are. Of
 // some kernels, each pixel has the smallest one with enough rays.
+#include "base/array.h"
 #include "render/render_image.h"
 
 // The largest radius of a kernel over the longer side of the film, and a bound in pixels, which
@@ -15,6 +16,7 @@
 #define RADIUS_MOST 32.0f
 #define RATIO 0.70710678f
 #define LEAST_KERNEL 0.125f  // of the largest one
+enum { FILTER_ROWS = 4 };    // per chunk
 
 // Two pixels whose connection is blocked at this fraction of their distance above their surfaces
 // are in different rooms, or on both sides of a partition: without this test three of ten drafts of
@@ -196,4 +198,23 @@ rgb render_irradiance_change(const struct render_image *image, const struct sati
     const size_t at = (size_t)(p - image->gathered);
     const rgb change = rgb_scale(rgb_sub(to, p->light), render_image_scale(&image->pixel[at]));
     return rgb_finite(change) ? change : rgb_grey(0.0f);
+}
+
+static void filter_irradiance_rows(void *ctx, size_t begin, size_t end, int worker) {
+    const struct render *r = ctx;
+    const size_t width = (size_t)r->image->width;
+    (void)worker;
+    for (size_t at = begin * width; at < end * width; at++)
+        r->image->irradiance[at] = render_irradiance_change(r->image, &r->scene, &r->options,
+                                                            (int)(at % width), (int)(at / width));
+}
+
+bool render_irradiance_filter(struct render *r) {
+    struct render_image *image = r->image;
+    if (!image->gathered || !render_budget_filters(r)) return true;
+    image->irradiance = array_new_unset(render_pixel_count(image), sizeof *image->irradiance);
+    if (!image->irradiance) return false;
+    parallel_begin_part(r->pool, "irradiance_filter");
+    parallel_for_all(r->pool, (size_t)image->height, FILTER_ROWS, filter_irradiance_rows, r);
+    return true;
 }

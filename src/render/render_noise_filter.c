@@ -65,7 +65,7 @@ bool render_noise_filter_on(const satin_options *o) {
 }
 
 bool render_noise_memory(struct render_image *image) {
-    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    const size_t pixels = render_pixel_count(image);
     image->noisy_light = calloc(pixels, sizeof *image->noisy_light);
     image->change = calloc(pixels, sizeof *image->change);
     return image->noisy_light && image->change;
@@ -380,7 +380,7 @@ double render_noise_pixel_seconds(void) {
 
 bool render_noise_filter(struct render *r) {
     const struct render_image *image = r->image;
-    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    const size_t pixels = render_pixel_count(image);
     if (!image->noisy_light || image->taken < pixels || !render_budget_filters_noise(r))
         return true;
     parallel_begin_part(r->pool, "noise_filter");

@@ -15,7 +15,7 @@
 enum {
     FIRST_CHUNK = 256,            // pixels per chunk of the rays of all pixels
     RIMS_CHUNK = 64,              // pixels per chunk of those at rims
-    CHUNK_ROWS = 8,               // rows per chunk of the search
+    READ_CHUNK = 8192,            // those of which the emission is read
     RIM_RAYS_BEGIN = 0x40000000,  // index of the first ray at a rim
     RIMS_TIMED = 4096,            // pixels at rims whose rays show how long they take
     FIRST_RAYS_MOST = 1 << 16,    // rays of a pixel that is at no rim
@@ -104,7 +104,8 @@ struct image_box render_rims_around(const struct rims *rims, size_t pixel) {
 }
 
 // Whether emission varies around the pixel.
-static bool on_rim(const struct rims *rims, size_t pixel) {
+static bool on_rim(const void *ctx, size_t pixel) {
+    const struct rims *rims = ctx;
     const struct image_box box = render_rims_around(rims, pixel);
     float least = INFINITY, most = 0.0f;
     for (int y = box.y0; y < box.y1; y++) {
@@ -117,27 +118,11 @@ static bool on_rim(const struct rims *rims, size_t pixel) {
     return most - least > SMOOTH * most;
 }
 
-// Stores the pixels of each row from the index on at which the row begins.
-static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
-    const struct rims *rims = ctx;
-    const size_t width = (size_t)rims->r->image->width;
-    (void)worker;
-    for (size_t y = begin; y < end; y++)
-        for (size_t at = y * width; at < (y + 1) * width; at++)
-            if (on_rim(rims, at)) rims->pixel[y * width + rims->found[y]++] = (uint32_t)at;
-}
-
 static void find_rims(struct rims *rims) {
-    const struct render_image *image = rims->r->image;
-    const size_t width = (size_t)image->width, height = (size_t)image->height;
-    parallel_for_all(rims->r->pool, width * height, CHUNK_ROWS * width, read_emission, rims);
-    parallel_for_all(rims->r->pool, height, CHUNK_ROWS, search_rows, rims);
-    for (size_t y = 0; y < height; y++) {
-        memmove(rims->pixel + rims->count, rims->pixel + y * width,
-                rims->found[y] * sizeof *rims->pixel);
-        rims->count += rims->found[y];
-    }
-    for (size_t i = 0; i < rims->count; i++) rims->known[rims->pixel[i]] = RIM_FOUND;
+    const struct render *r = rims->r;
+    parallel_for_all(r->pool, render_pixel_count(r->image), READ_CHUNK, read_emission, rims);
+    render_pixels_find(&rims->list, r, on_rim, rims);
+    for (size_t i = 0; i < rims->list.count; i++) rims->known[rims->list.pixel[i]] = RIM_FOUND;
 }
 
 // ---- Their rays ---------------------------------------------------------------------------------
@@ -146,7 +131,7 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
     (void)worker;
     for (size_t i = rims->begin + begin; i < rims->begin + end; i++) {
-        const uint32_t pixel = rims->pixel[i];
+        const uint32_t pixel = rims->list.pixel[i];
         struct rim *rim = &rims->rim[i];
         for (uint32_t k = rims->r->image->pixel[pixel].emission.rim_rays; k < rims->most; k++) {
             float weight;
@@ -180,7 +165,7 @@ void render_rims_append(struct rims *rims, size_t pixel, int radius, enum rim_kn
     for (int y = box.y0; y < box.y1; y++)
         for (int x = box.x0; x < box.x1; x++) {
             const size_t at = (size_t)y * (size_t)rims->r->image->width + (size_t)x;
-            if (!rims->known[at]) rims->pixel[rims->count++] = (uint32_t)at;
+            if (!rims->known[at]) rims->list.pixel[rims->list.count++] = (uint32_t)at;
             rims->known[at] |= known;
         }
 }
@@ -199,7 +184,7 @@ static float expected_hits(const struct image_emission *e, const struct rim *rim
 // Evaluates the new rays of a pixel. If they find light where none was known, the pixels around get
 // rays, too.
 static void evaluate_rim(struct rims *rims, size_t i) {
-    const uint32_t pixel = rims->pixel[i];
+    const uint32_t pixel = rims->list.pixel[i];
     const struct rim *rim = &rims->rim[i];
     rims->hits[pixel] = expected_hits(&rims->r->image->pixel[pixel].emission, rim, rims->most);
     if (rims->emission[pixel] != 0.0f || !(rim->Y > 0.0f)) return;
@@ -210,8 +195,8 @@ static void evaluate_rim(struct rims *rims, size_t i) {
 // Takes the rays of the pixels from an index on, and of those that are appended. False if it was
 // stopped early, or if there is no memory, which *status says.
 static bool trace_from(struct rims *rims, size_t begin, satin_status *status) {
-    while (begin < rims->count) {
-        const size_t end = rims->count;
+    while (begin < rims->list.count) {
+        const size_t end = rims->list.count;
         struct rim *grown = realloc(rims->rim, end * sizeof *rims->rim);
         if (!grown) *status = SATIN_ERROR_MEMORY;
         if (!grown) return false;
@@ -227,8 +212,8 @@ static bool trace_from(struct rims *rims, size_t begin, satin_status *status) {
 }
 
 static void add_rims(struct rims *rims) {
-    for (size_t i = 0; i < rims->count; i++) {
-        const uint32_t pixel = rims->pixel[i];
+    for (size_t i = 0; i < rims->list.count; i++) {
+        const uint32_t pixel = rims->list.pixel[i];
         struct image_emission *e = &rims->r->image->pixel[pixel].emission;
         const struct rim *rim = &rims->rim[i];
         e->sum = rgb_add(e->sum, rim->sum);
@@ -245,18 +230,18 @@ static void add_rims(struct rims *rims) {
 
 static void time_rays(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
-    const size_t step = rims->count / RIMS_TIMED + 1;
+    const size_t step = rims->list.count / RIMS_TIMED + 1;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         float weight;
-        (void)trace_ray(rims, rims->pixel[i * step], RIM_RAYS_BEGIN, &weight);
+        (void)trace_ray(rims, rims->list.pixel[i * step], RIM_RAYS_BEGIN, &weight);
     }
 }
 
 // The time of one core for one ray at each rim, measured at some of them by rays that do not count.
 static double ray_seconds(struct rims *rims) {
     struct parallel *pool = rims->r->pool;
-    const size_t step = rims->count / RIMS_TIMED + 1, timed = rims->count / step;
+    const size_t step = rims->list.count / RIMS_TIMED + 1, timed = rims->list.count / step;
     const double start = stats_wall();
     parallel_for_all(pool, timed, RIMS_CHUNK, time_rays, rims);
     return render_agreed(rims->r, stats_wall() - start) * parallel_threads(pool) * (double)step;
@@ -266,28 +251,28 @@ static double ray_seconds(struct rims *rims) {
 static bool sample_rims(struct rims *rims, satin_status *status) {
     struct render *r = rims->r;
     const double pixels = (double)r->image->width * (double)r->image->height;
-    if (rims->count == 0) return true;
+    if (rims->list.count == 0) return true;
     const struct render_rim_rays known = {
-        .fraction = (double)rims->count / pixels,
+        .fraction = (double)rims->list.count / pixels,
         .seconds = r->options.time > 0.0 ? ray_seconds(rims) : 0.0,
         .first = rims->first,
         .late = rims->late};
     rims->most = render_budget_rim_rays(&r->options, render_core_seconds(r), &known);
     if (!trace_from(rims, 0, status)) return false;
-    const size_t found = rims->count;
+    const size_t found = rims->list.count;
     if ((double)render_highlights_find(rims) > RARE_FRACTION * pixels)
         r->image->rare_emission = true;
     else
         render_highlights_append_near(rims);
     if (!trace_from(rims, found, status)) return false;
-    if (rims->count > found) (void)render_highlights_find(rims);
+    if (rims->list.count > found) (void)render_highlights_find(rims);
     add_rims(rims);
     return true;
 }
 
 static bool sample_emission(struct rims *rims, satin_status *status) {
     struct render_image *image = rims->r->image;
-    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    const size_t pixels = render_pixel_count(image);
     if (!parallel_for_results(rims->r->pool, pixels, FIRST_CHUNK, trace_first, rims,
                               &first_results))
         return false;
@@ -316,20 +301,18 @@ static uint32_t first_rays(const struct render *r) {
 
 satin_status render_rims(struct render *r, bool late, bool *whole) {
     const struct render_image *image = r->image;
-    const size_t width = (size_t)image->width, height = (size_t)image->height;
+    const size_t pixels = render_pixel_count(image);
     struct rims rims = {.r = r, .late = late, .first = late ? 1 : first_rays(r)};
     rims.radius = (int)ceilf(r->second_pass.shade.filter.film->radius);
-    rims.emission = array_new_unset(width * height, sizeof *rims.emission);
-    rims.hits = array_new_unset(width * height, sizeof *rims.hits);
-    rims.probability = array_new(width * height, sizeof *rims.probability);
-    rims.highlight = array_new_unset(width * height, sizeof *rims.highlight);
-    rims.pixel = array_new_unset(width * height, sizeof *rims.pixel);
-    rims.found = array_new(height, sizeof *rims.found);
-    rims.known = array_new(width * height, sizeof *rims.known);
+    rims.emission = array_new_unset(pixels, sizeof *rims.emission);
+    rims.hits = array_new_unset(pixels, sizeof *rims.hits);
+    rims.probability = array_new(pixels, sizeof *rims.probability);
+    rims.highlight = array_new_unset(pixels, sizeof *rims.highlight);
+    rims.known = array_new(pixels, sizeof *rims.known);
     satin_status status = SATIN_OK;
     parallel_begin_part(r->pool, "rims");
-    if (rims.emission && rims.hits && rims.probability && rims.highlight && rims.pixel &&
-        rims.found && rims.known)
+    if (rims.emission && rims.hits && rims.probability && rims.highlight && rims.known &&
+        render_pixels_make(&rims.list, image))
         *whole = sample_emission(&rims, &status);
     else
         status = SATIN_ERROR_MEMORY;
@@ -338,8 +321,7 @@ satin_status render_rims(struct render *r, bool late, bool *whole) {
     free(rims.hits);
     free(rims.probability);
     free(rims.highlight);
-    free(rims.pixel);
-    free(rims.found);
+    render_pixels_destroy(&rims.list);
     free(rims.known);
     free(rims.rim);
     return status;

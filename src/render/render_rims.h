@@ -22,9 +22,7 @@ struct rims {
     uint32_t most;    // number of rays at rims
     int radius;       // of the film's filter, in pixels
     float *emission;  // luminance of each pixel's mean
-    uint32_t *pixel;  // y * width + x
-    uint32_t *found;  // number of such pixels in each row
-    size_t count;
+    struct pixel_list list;
     struct rim *rim;  // of those pixels
     size_t begin;     // index of the first pixel of a loop
     uint8_t *known;   // of each pixel of the image: enum rim_known

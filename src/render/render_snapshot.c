@@ -64,7 +64,7 @@ static struct render_snapshot *make_snapshot(const struct render *r) {
     satin_options options = r->options;
     if (!snapshot) return NULL;
     if (r->callbacks.snapshot_beauty) snprintf(options.layers, sizeof options.layers, "none");
-    snapshot->pixels = snapshot->missing = (size_t)image->width * (size_t)image->height;
+    snapshot->pixels = snapshot->missing = render_pixel_count(image);
     snapshot->has = calloc(snapshot->pixels, 1);
     snapshot->film = render_film_new(&r->scene, &options);
     if (snapshot->has && snapshot->film) {

@@ -43,8 +43,7 @@ static void surface_channels(const struct shade *shade, const struct shading_poi
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);
 }
 
-// As in Mitsuba: an environment that is seen covers the pixel, unless it is hidden.
-static float coverage(const struct shade *shade, bool hit) {
+float shade_coverage(const struct shade *shade, bool hit) {
     return hit || (shade->g->scene->environment >= 0 && shade->g->options->hide_emitters <= 0);
 }
 
@@ -87,7 +86,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     if (seen.hit) surface_channels(shade, &seen.point, &camera, out);
     if (shade->g->options->denoise && !rgb_black(seen.T))
         shade_features_add(&seen.smooth, seen.T, &out->features);
-    out->alpha = coverage(shade, seen.hit);
+    out->alpha = shade_coverage(shade, seen.hit);
     set_light_channels(shade, out);
     out->weight = camera.weight;
 }
@@ -106,7 +105,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     shade_eye_trace(shade, x, y, &sampler, &eye);
     if (eye.hit) surface_channels(shade, &eye.first, &eye.camera, out);
     if (o->denoise) out->features = shade_features_of(&eye);
-    out->alpha = coverage(shade, eye.hit);
+    out->alpha = shade_coverage(shade, eye.hit);
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);

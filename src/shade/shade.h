@@ -41,6 +41,7 @@ struct shade_surface {
     rgb albedo;
     rgb normal;   // x y z, on the side of the eye
     float depth;  // distance
+    float alpha;  // of shade_sample
 };
 
 struct shade_sample {

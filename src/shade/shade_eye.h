@@ -58,6 +58,10 @@ static inline rgb shade_facing_normal(const struct shading_point *p) {
     return rgb_make(n.x, n.y, n.z);
 }
 
+// The alpha of an eye ray that hits a surface or not. As in Mitsuba, an environment that is seen
+// covers the pixel, unless it is hidden (shade.c).
+float shade_coverage(const struct shade *shade, bool hit);
+
 // What is known of a first surface beside its light (shade_features.c).
 struct shade_surface shade_surface_of(const struct shading_point *p);
 

@@ -5,7 +5,7 @@
 
 struct shade_surface shade_surface_of(const struct shading_point *p) {
     const rgb albedo = p->lobes ? brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL) : rgb_grey(0.0f);
-    return (struct shade_surface){albedo, shade_facing_normal(p), p->interaction.t};
+    return (struct shade_surface){albedo, shade_facing_normal(p), p->interaction.t, 1.0f};
 }
 
 float shade_find_surface(const struct shade *shade, int x, int y, uint32_t index,
@@ -15,7 +15,7 @@ float shade_find_surface(const struct shade *shade, int x, int y, uint32_t index
     struct shade_camera_sample camera;
     const struct ray ray = shade_eye_ray(shade, x, y, &sampler, &camera);
     struct interaction s;
-    *out = (struct shade_surface){0};
+    *out = (struct shade_surface){.alpha = shade_coverage(shade, false)};
     if (!scene_intersect(scene, &ray, &s)) return camera.weight;
     struct shading_point point;
     s.footprint = shade->sharpness * camera.spread * s.t;

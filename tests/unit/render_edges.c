@@ -24,6 +24,9 @@ enum { SIDE = 48, PIXELS = SIDE * SIDE };
     "'/></transform><bsdf type='diffuse'>"                                          \
     "<rgb name='reflectance' value='" reflectance "'/></bsdf></shape>"
 
+static int tiled_seed;
+static float tiled_albedo[PIXELS];  // red, of the last image
+
 // Renders without the caches and filters, whose errors are not those of edges.
 static void render_tiled(const char *body, const char *spp, const char *edge_rays, int threads,
                          float *beauty) {
@@ -41,6 +44,7 @@ static void render_tiled(const char *body, const char *spp, const char *edge_ray
                                            NULL, NULL, &options),
                      SATIN_OK);
     options.threads = threads;
+    options.seed = (uint64_t)tiled_seed;
     satin_film *film = NULL;
     assert_int_equal(satin_render(scene, &options, NULL, &film), SATIN_OK);
     const float *plane[3] = {film_channel(film, "R"), film_channel(film, "G"),
@@ -49,6 +53,9 @@ static void render_tiled(const char *body, const char *spp, const char *edge_ray
         assert_non_null(plane[i]);
         memcpy(beauty + i * PIXELS, plane[i], PIXELS * sizeof *beauty);
     }
+    const float *albedo = film_channel(film, "albedo.R");
+    assert_non_null(albedo);
+    memcpy(tiled_albedo, albedo, sizeof tiled_albedo);
     satin_film_free(film);
     satin_scene_free(scene);
 }
@@ -84,6 +91,54 @@ static void edges_have_the_light_of_what_they_show(void **state) {
     }
 }
 
+// Compositing and denoisers need features that agree with the light.
+static void features_are_corrected_with_the_light(void **state) {
+    (void)state;
+    static const char tiled[] = GROUND TILE("1", ".1 .2 .1");
+    static float image[3 * PIXELS], exact[PIXELS];
+    double squares[2] = {0.0, 0.0};
+    render_tiled(tiled, "256", "0", 2, image);
+    memcpy(exact, tiled_albedo, sizeof exact);
+    for (int with = 0; with < 2; with++) {
+        render_tiled(tiled, "2", with ? "16" : "0", 2, image);
+        for (int i = 0; i < PIXELS; i++)
+            squares[with] += pow((double)tiled_albedo[i] - (double)exact[i], 2.0);
+    }
+    assert_true(squares[1] < 0.1 * squares[0]);
+}
+
+// Strips of a hundredth of the ground, each a sixth of a pixel wide, which one sample meets or not.
+#define STRIP(x)                                                                 \
+    "<shape type='rectangle'><transform name='to_world'><scale x='.006' y='9'/>" \
+    "<rotate z='1' angle='7'/><translate x='" x                                  \
+    "' z='.01'/></transform>"                                                    \
+    "<bsdf type='diffuse'><rgb name='reflectance' value='.9'/></bsdf></shape>"
+#define DARK_GROUND                                                                     \
+    "<shape type='rectangle'><transform name='to_world'><scale value='9'/></transform>" \
+    "<bsdf type='diffuse'><rgb name='reflectance' value='.05'/></bsdf></shape>"
+
+// If only pixels whose sample met a strip were corrected, strips would vanish.
+static void thin_strips_stay_as_bright(void **state) {
+    (void)state;
+    enum { SEEDS = 8 };
+    static const char strips[] =
+        DARK_GROUND STRIP("-1.2") STRIP("-.7") STRIP("-.2") STRIP(".3") STRIP(".8") STRIP("1.3");
+    static float exact[3 * PIXELS], image[3 * PIXELS];
+    double whole = 0.0, bias, sum = 0.0;
+    render_tiled(strips, "256", "0", 2, exact);
+    for (int i = 0; i < 3 * PIXELS; i++) whole += (double)exact[i] / (3 * PIXELS);
+    for (int seed = 0; seed < SEEDS; seed++) {
+        tiled_seed = seed;
+        render_tiled(strips, "1", "16", 2, image);
+        for (int i = 0; i < 3 * PIXELS; i++) assert_true(image[i] >= 0.0f);
+        (void)edge_difference(image, exact, &bias);
+        sum += bias / SEEDS;
+    }
+    tiled_seed = 0;
+    // It would be -.069 if the pixel itself decided.
+    assert_true(fabs(sum) < 0.03 * whole);
+}
+
 static void changes_do_not_depend_on_threads(void **state) {
     (void)state;
     static float one[3 * PIXELS], three[3 * PIXELS];
@@ -103,6 +158,8 @@ static void a_plain_surface_is_left_alone(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edges_have_the_light_of_what_they_show),
+        cmocka_unit_test(features_are_corrected_with_the_light),
+        cmocka_unit_test(thin_strips_stay_as_bright),
         cmocka_unit_test(changes_do_not_depend_on_threads),
         cmocka_unit_test(a_plain_surface_is_left_alone),
     };
