@@ -50,6 +50,7 @@ struct half_plane {
 struct noise_tile {
     struct half_plane half[HALVES];
     float albedo[3][PIXELS_READ], normal[3][PIXELS_READ];
+    bool has[NOISY_LAYERS];  // whether some pixel has samples of the layer
     // The variance of one unit of weight in one channel, by single pixels and by 3 x 3 pixels.
     float spread[PIXELS_READ], around[PIXELS_READ];
     // The pixels that are filtered, row by row: how far surfaces differ, and weighted sums over
@@ -120,6 +121,7 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
         const float all = weight_of(image, at, layer);
         t->half[0].weight[layer][i] = maxf(all - odd_weight[layer], 0.0f);
         t->half[1].weight[layer][i] = maxf(odd_weight[layer], 0.0f);
+        if (all != 0.0f) t->has[layer] = true;
         read_half(&t->half[0], i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
         read_half(&t->half[1], i, layer, odd, albedo);
     }
@@ -135,6 +137,7 @@ static int clamp_to(int x, int end) { return x < 0 ? 0 : x < end ? x : end - 1; 
 
 // Beyond the image its border goes on.
 static void read_tile(struct noise_tile *t, const struct render_image *image, int x0, int y0) {
+    memset(t->has, 0, sizeof t->has);
     for (int y = 0; y < EXTENT; y++)
         for (int x = 0; x < EXTENT; x++) {
             const int from_x = clamp_to(x0 + x - MARGIN, image->width),
@@ -274,23 +277,37 @@ static struct tile_range range_inside(int tile, int offset, int size) {
     return (struct tile_range){begin > 0 ? begin : 0, end < TILE ? end : TILE};
 }
 
+// How similar the pixels of a row are, as the sums of patches say that are summed in rows.
+static void find_similar(const float *restrict sums, const float *restrict surface,
+                         float *restrict similar) {
+    static const float of_patch = 1.0f / (PATCH_SIDE * PATCH_SIDE), of_most = 1.0f / UNITS_MOST;
+    for (int k = 0; k < TILE; k++) {
+        float sum = 0.0f;
+        for (int i = 0; i < PATCH_SIDE; i++) sum += sums[i * TILE + k];
+        const float differs = at_least(sum * of_patch, 0.0f) + surface[k];
+        similar[k] = sqrf(sqrf(maxf(1.0f - of_most * differs, 0.0f)));
+    }
+}
+
+static void add_row(float *restrict to, const float *restrict from, const float *restrict similar,
+                    struct tile_range columns) {
+    for (int k = columns.begin; k < columns.end; k++) to[k] += similar[k] * from[k];
+}
+
 // Adds the samples of `half` at the offset, by how similar the other half is there.
 static void add_similar(struct noise_tile *t, const struct half_plane *half, int offset,
                         struct tile_range rows, struct tile_range columns) {
-    static const float of_patch = 1.0f / (PATCH_SIDE * PATCH_SIDE), of_most = 1.0f / UNITS_MOST;
-    for (int row = rows.begin; row < rows.end; row++)
-        for (int k = columns.begin; k < columns.end; k++) {
-            const int to = row * TILE + k, q = filtered_from(row) + k + offset;
-            float sum = 0.0f;
-            for (int i = 0; i < PATCH_SIDE; i++) sum += t->row[to + i * TILE];
-            const float differs = (sum < 0.0f ? 0.0f : sum * of_patch) + t->surface[to];
-            const float similar = sqrf(sqrf(maxf(1.0f - of_most * differs, 0.0f)));
-            for (int layer = 0; layer < NOISY_LAYERS; layer++) {
-                for (int c = 0; c < 3; c++)
-                    t->sum[layer][c][to] += similar * half->light[layer][c][q];
-                t->weight[layer][to] += similar * half->weight[layer][q];
-            }
+    float similar[TILE];
+    for (int row = rows.begin; row < rows.end; row++) {
+        const int to = row * TILE, q = filtered_from(row) + offset;
+        find_similar(t->row + to, t->surface + to, similar);
+        for (int layer = 0; layer < NOISY_LAYERS; layer++) {
+            if (!t->has[layer]) continue;
+            for (int c = 0; c < 3; c++)
+                add_row(t->sum[layer][c] + to, half->light[layer][c] + q, similar, columns);
+            add_row(t->weight[layer] + to, half->weight[layer] + q, similar, columns);
         }
+    }
 }
 
 // ---- Tiles --------------------------------------------------------------------------------------
