@@ -289,8 +289,8 @@ static void find_similar(const float *restrict sums, const float *restrict surfa
     }
 }
 
-static void add_row(float *restrict to, const float *restrict from, const float *restrict similar,
-                    struct tile_range columns) {
+static void add_similar_row(float *restrict to, const float *restrict from,
+                            const float *restrict similar, struct tile_range columns) {
     for (int k = columns.begin; k < columns.end; k++) to[k] += similar[k] * from[k];
 }
 
@@ -304,8 +304,8 @@ static void add_similar(struct noise_tile *t, const struct half_plane *half, int
         for (int layer = 0; layer < NOISY_LAYERS; layer++) {
             if (!t->has[layer]) continue;
             for (int c = 0; c < 3; c++)
-                add_row(t->sum[layer][c] + to, half->light[layer][c] + q, similar, columns);
-            add_row(t->weight[layer] + to, half->weight[layer] + q, similar, columns);
+                add_similar_row(t->sum[layer][c] + to, half->light[layer][c] + q, similar, columns);
+            add_similar_row(t->weight[layer] + to, half->weight[layer] + q, similar, columns);
         }
     }
 }
