@@ -58,10 +58,13 @@ static const double WRITE_SECONDS = 0.05;
 // That of emission that is sampled after the limit, at one pixel of the film [core s]: .05 to .9e-6
 // in three scenes (640x360), 3 to 5e-6 in three where lamps or windows are seen through glass.
 static const double RIMS_SECONDS = 1.2e-6;
+// That of edges, likewise, until samples are planned: 1.9 to 3.5e-6 in three scenes, 9e-6 in
+// a furnished room; and the largest fraction of the limit for it.
+static const double EDGES_SECONDS = 3e-6, EDGES_MOST = 0.1;
 // The time of a pixel in a kernel of irradiance, over that of a pixel in the filter of noise, which
-// is measured: 16 times as long for a kernel of 24 pixels, on two machines of which one is half as
-// fast.
-static const double KERNEL_PIXEL = 1.0 / 36.0;
+// is measured: 19 times as long for a kernel of 24 pixels. (On two machines of which one is half as
+// fast it was 16, when the latter was said to take 1.2 times as long.)
+static const double KERNEL_PIXEL = 1.0 / 30.0;
 // The largest fraction of the time limit for it: the last tenth of the samples lowers the error by
 // a tenth, the filter by a quarter and more. And its longest time after a cancellation [s].
 static const double FILTER_FRACTION = 0.1, FILTER_CANCELLED = 0.5;
@@ -207,8 +210,7 @@ static double finish_seconds(const struct render *r) {
            denoise_seconds(r);
 }
 
-// The remaining seconds for records and image.
-static double image_seconds(const struct render *r) {
+double render_budget_left(const struct render *r) {
     return render_agreed(r, render_time_left(r) - finish_seconds(r));
 }
 
@@ -218,6 +220,10 @@ void render_budget_begin(struct render *r) {
     if (!(r->options.time > 0.0)) return;
     r->progress.write_pixel_seconds = film_exr_pixel_seconds(film->channel_count, full_float);
     r->progress.noise_pixel_seconds = render_noise_pixel_seconds();
+    const double pixels = (double)r->options.width * (double)r->options.height;
+    if (render_edges_on(&r->options))
+        r->image->edge_seconds =
+            fmin(EDGES_SECONDS * pixels / parallel_threads(r->pool), EDGES_MOST * r->options.time);
 }
 
 // ---- Limits of loops ----------------------------------------------------------------------------
@@ -236,7 +242,7 @@ void render_limit_bounces(struct render *r, double start, double done) {
 // The fraction of the time for records at which the error of the image is least, whose variance is
 // `variance` by one sample.
 static double balance(const struct render *r, const struct render_pace *pace, double variance) {
-    const double left = image_seconds(r);
+    const double left = render_budget_left(r);
     const double pixels = (double)r->options.width * (double)r->options.height;
     double least = INFINITY, best = RECORDS_FRACTION;
     for (int i = 0; left > 0.0 && i <= BALANCE_STEPS; i++) {
@@ -254,7 +260,7 @@ static double balance(const struct render *r, const struct render_pace *pace, do
 
 // Records end after the fraction `most` of the remaining time, their first round after `covered`.
 static void limit_records(struct render *r, double most, double covered) {
-    const double now = render_elapsed(r), left = image_seconds(r);
+    const double now = render_elapsed(r), left = render_budget_left(r);
     r->progress.deadline = now + most * left;
     r->progress.covered = now + covered * left;
 }
@@ -273,16 +279,16 @@ void render_limit_first_records(struct render *r, const struct render_pace *meas
 
 bool render_budget_traces_paths(const struct render *r, double samples) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    return render_can_trace_paths(r) && image_seconds(r) * samples < PATHS_BELOW * pixels;
+    return render_can_trace_paths(r) && render_budget_left(r) * samples < PATHS_BELOW * pixels;
 }
 
 int render_budget_pilot(const struct render *r, double samples) {
-    const double fit = IMAGE_PILOT * image_seconds(r) * samples / RENDER_PILOT_SAMPLES;
+    const double fit = IMAGE_PILOT * render_budget_left(r) * samples / RENDER_PILOT_SAMPLES;
     return (int)fmin(sqrt(fmax(fit, 0.0)), RENDER_PILOT_SIDE);
 }
 
 void render_limit_coarse_records(struct render *r) {
-    r->progress.deadline = render_elapsed(r) + COARSE_ROUND * image_seconds(r);
+    r->progress.deadline = render_elapsed(r) + COARSE_ROUND * render_budget_left(r);
 }
 
 double render_budget_first_round(const struct render *r) {
@@ -295,7 +301,9 @@ bool render_budget_next_round(const struct render *r, double seconds) {
 }
 
 void render_limit_image(struct render *r) {
-    r->progress.deadline = render_elapsed(r) + image_seconds(r);
+    // No pixel is to miss its first sample for edges, which are planned after it.
+    if (r->image && r->image->taken == 0) r->image->edge_seconds = 0.0;
+    r->progress.deadline = render_elapsed(r) + render_budget_left(r);
 }
 
 void render_limit_coarse(struct render *r) {
@@ -349,7 +357,7 @@ uint32_t render_budget_equal_samples(const satin_options *o) {
 // The number of samples that fit into the next pass.
 static double fitting_samples(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const double fit = image_seconds(r) / sample_seconds;
+    const double fit = render_budget_left(r) / sample_seconds;
     if (fit < PASS_LEAST * pixels) return 0.0;
     return fit > 2.0 * pixels ? 0.5 * fit : fit;
 }
@@ -365,7 +373,7 @@ static const double LIGHTS_SPP = 2.0, LIGHTS_FEWEST = 2.0, LIGHTS_REST = 0.5;
 
 uint32_t render_budget_lights(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const double samples = image_seconds(r) / sample_seconds / pixels;
+    const double samples = render_budget_left(r) / sample_seconds / pixels;
     const double all = (double)r->options.light_samples;
     const double fraction = (samples / LIGHTS_SPP - LIGHTS_REST) / (1.0 - LIGHTS_REST);
     return (uint32_t)fmax(fmin(all * fraction, all), fmin(all, LIGHTS_FEWEST));

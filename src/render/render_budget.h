@@ -279,6 +279,8 @@ enum { RENDER_LIGHT_SAMPLES_MOST = 16 };
 // most that an interruption costs. Writing that of 1920x1080 pixels, 431 MB, takes .9 CPU seconds
 // and 1.6 s with the disk, so 60 cost 1.5 to 3 % of such a render, and 10 would cost 9 to 16 %.
 enum { RENDER_CHECKPOINT_SECONDS = 60 };
+// The seconds that are left for records and image, before what comes after it.
+double render_budget_left(const struct render *r);
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
 // Whether irradiance is filtered where no record is near, likewise.

@@ -342,13 +342,13 @@ void render_edges_plan(struct render *r) {
                  more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
                  later = samples * fmin(1.0 + more / (double)image->taken, PLAN_AGAIN),
                  growth = (double)count_edge_rays(&e, later) / count_edge_rays(&e, samples),
-                 most = EDGES_FRACTION * r->options.time;
+                 most = EDGES_FRACTION * r->options.time, left = render_budget_left(r);
     double seconds = growth * render_agreed(r, edges_seconds(&e));
-    while (seconds > most && e.ray_shift < RAY_SHIFT_MOST) {
+    while (seconds > fmin(most, left) && e.ray_shift < RAY_SHIFT_MOST) {
         e.ray_shift++;
         seconds = growth * render_agreed(r, edges_seconds(&e));
     }
-    if (seconds <= 1.5 * most) {
+    if (seconds <= fmin(1.5 * most, left)) {
         image->edges_fit = true;
         image->edge_ray_shift = e.ray_shift;
         image->edge_seconds = seconds;

@@ -377,6 +377,10 @@ bool render_noise_change(struct render_image *image, struct parallel *pool) {
     return true;
 }
 
+// What a pixel of an image takes, whose tiles all cores read from memory, over one of a tile alone:
+// 3.9 and 2.6 us on two cores.
+static const double OF_ALL_CORES = 1.5;
+
 double render_noise_pixel_seconds(void) {
     struct render_image *trial = calloc(1, sizeof *trial);
     struct noise_tile *tile = array_new(1, sizeof *tile);
@@ -386,9 +390,13 @@ double render_noise_pixel_seconds(void) {
         trial->pixel = calloc(TILE * TILE, sizeof *trial->pixel);
     }
     if (tile && trial && trial->pixel && render_noise_memory(trial)) {
+        for (int i = 0; i < TILE * TILE; i++) {
+            trial->pixel[i].weight = 1.0f;
+            trial->noisy_light[i].sampled = 1.0f;
+        }
         const double start = stats_wall();
         filter_tile(tile, trial, 0, 0);
-        seconds = (stats_wall() - start) / (TILE * TILE);
+        seconds = OF_ALL_CORES * (stats_wall() - start) / (TILE * TILE);
     }
     render_image_free(trial);
     free(tile);
