@@ -26,6 +26,8 @@ enum {
     COMPARE_CHUNK = 2048
 };
 
+_Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixels around");
+
 // Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
 // the depth not by more than this fraction.
 static const float EDGE_ALIKE = 0.1f;
