@@ -128,6 +128,8 @@ static __attribute__((noinline)) bool fails(void) {
         site->count == fault_alloc_fault.nth) {
         report_fired();
         fail = true;
+        // No later allocation is of interest, nor what unwinding it would cost.
+        fault_alloc_fault.armed = fault_alloc_fault.all || fault_alloc_fault.sites;
     }
     pthread_mutex_unlock(&fault_alloc_fault.mutex);
     errno = fail ? ENOMEM : error;

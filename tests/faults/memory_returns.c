@@ -18,7 +18,7 @@
 
 // Renders of each kind, of which the first few may allocate what stays until the program ends:
 // libraries, with their threads and buffers.
-enum { RENDERS = 100, FIRST_RENDERS = 5 };
+enum { RENDERS = 45, FIRST_RENDERS = 5 };
 // malloc gives out at least 32 bytes: what every render leaves behind is more than this. At most
 // 864 bytes more were measured.
 enum { ALLOCATED_SLACK = 32 * (RENDERS - FIRST_RENDERS) - 1 };

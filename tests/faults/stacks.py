@@ -2,6 +2,7 @@
 """Reads the sites that fault_alloc.c lists, with the names of functions."""
 import bisect
 import collections
+import functools
 import re
 import subprocess
 
@@ -12,6 +13,11 @@ Site = collections.namedtuple("Site", "count stack own")
 # Modules that pass on what others ask for.
 PASSING = re.compile(
     r"libstdc\+\+|libc\.so|libm\.so|libz\.so|libexpat\.so|libpng|libjpeg|libOpenEXRCore")
+
+
+@functools.lru_cache(maxsize=None)
+def demangled(symbol):
+    return subprocess.run(["c++filt", symbol], capture_output=True, text=True).stdout.strip()
 
 
 class Stacks:
@@ -31,8 +37,7 @@ class Stacks:
             at = bisect.bisect_right(self.address, int(offset, 16) - 1) - 1
             symbol = self.name[at]
         elif symbol.startswith("_Z"):
-            symbol = subprocess.run(["c++filt", symbol], capture_output=True,
-                                    text=True).stdout.strip()
+            symbol = demangled(symbol)
         return module, symbol or "?"
 
     def read(self, path):
