@@ -23,7 +23,7 @@ struct cie_method {
     bool approximate;  // whether the bound is CIE_BOUND_LAST
     int seeds;         // number of images whose mean is taken at the largest reflectance
 };
-static const char *const reflectance[] = {"0.2", "0.5", "0.8"};
+static const char *const cie_reflectance[] = {"0.2", "0.5", "0.8"};
 
 // The noise of one image, .2 to .4 % at the largest reflectance, is at most .12 % at the others.
 static int seeds_of(const struct cie_method *method, int k) {
@@ -74,17 +74,17 @@ int main(int argc, char **argv) {
     if (argc != 2) return 2;
     for (size_t i = 0; i < sizeof method / sizeof *method; i++)
         for (int k = 0; k < 3; k++) {
-            const double rho = strtod(reflectance[k], NULL), bounces = method[i].bounces;
+            const double rho = strtod(cie_reflectance[k], NULL), bounces = method[i].bounces;
             const double sum =
                 (1.0 - (bounces < 0.0 ? 0.0 : pow(rho, bounces + 1.0))) / (1.0 - rho);
             const double found =
-                illuminance(argv[1], reflectance[k], &method[i], seeds_of(&method[i], k));
+                illuminance(argv[1], cie_reflectance[k], &method[i], seeds_of(&method[i], k));
             const double error = found / (FLUX_PER_AREA * sum) - 1.0;
             const bool ok = fabs(error) < (method[i].approximate ? CIE_BOUND_LAST : CIE_BOUND);
             printf(
                 "%s, first pass %s, final gather %s, reflectance %s: %.2f lx of %.2f, %+.2f %%%s\n",
-                method[i].integrator, method[i].first_pass, method[i].final_gather, reflectance[k],
-                found, FLUX_PER_AREA * sum, 100.0 * error, ok ? "" : " FAILED");
+                method[i].integrator, method[i].first_pass, method[i].final_gather,
+                cie_reflectance[k], found, FLUX_PER_AREA * sum, 100.0 * error, ok ? "" : " FAILED");
             failed += !ok;
         }
     return failed != 0;
