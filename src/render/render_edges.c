@@ -16,15 +16,16 @@
 enum {
     RADIUS = 3,           // of the pixels of a regression
     EDGE_NEAR = 2,        // of those that show whether there is an edge
-    RAYS_PER_SAMPLE = 8,  // up to RAYS_PLENTY rays, from which on there are RAYS_ALWAYS
-    RAYS_PLENTY = 64,
-    RAYS_ALWAYS = 2,
-    RAYS_MOST = 1024,    // a pixel with as many samples has no rays
-    RAY_SHIFT_MOST = 2,  // their number is divided by 1 << this, at most, for a time limit
-    EDGES_TIMED = 512,   // pixels that show how long one takes
-    EDGES_CHUNK = 64,    // pixels per chunk
+    RAYS_PER_SAMPLE = 2,  // at least
+    RAYS_MOST = 1024,     // a pixel with as many samples has no rays
+    RAY_SHIFT_MOST = 2,   // their number is divided by 1 << this, at most, for a time limit
+    EDGES_TIMED = 512,    // pixels that show how long one takes
+    EDGES_CHUNK = 64,     // pixels per chunk
     COMPARE_CHUNK = 2048
 };
+
+// Set beside the directions in which a pixel differs: its rays see shapes that are not alike.
+enum { CROSSED = 1 << 4 };
 
 _Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixels around");
 
@@ -42,13 +43,13 @@ static const double EDGES_FRACTION = 0.1, PLAN_AGAIN = 2.0;
 // What is added to the means of a pixel.
 struct pixel_change {
     rgb light[REGRESSION_LAYERS];
-    struct shade_surface surface;
+    struct shade_surface surface;  // before it is known, the mean over the rays
 };
 _Static_assert(sizeof(struct pixel_change) + sizeof(uint32_t) + 1 <= RENDER_EDGES_BYTES, "memory");
 
 struct surface_edges {
     struct render *r;
-    uint8_t *differs;  // of each pixel, from the neighbours in directions FORWARD: a bit each
+    uint8_t *differs;  // of each pixel: a bit for each neighbour in directions FORWARD, and CROSSED
     struct pixel_list list;
     struct pixel_change *change;
     int ray_shift;  // the numbers of rays are divided by 1 << ray_shift
@@ -56,12 +57,15 @@ struct surface_edges {
 
 // ---- Where edges are ----------------------------------------------------------------------------
 
+static struct shade_surface scale_surface(const struct shade_surface *s, float scale) {
+    return (struct shade_surface){rgb_scale(s->albedo, scale), rgb_scale(s->normal, scale),
+                                  s->depth * scale, s->alpha * scale};
+}
+
 static struct shade_surface mean_surface(const struct image_pixel *pixel) {
-    const float scale = render_image_scale(pixel);
-    return (struct shade_surface){.albedo = rgb_scale(pixel->layer[SHADE_ALBEDO], scale),
-                                  .normal = rgb_scale(pixel->layer[SHADE_NORMAL], scale),
-                                  .depth = pixel->depth * scale,
-                                  .alpha = pixel->alpha * scale};
+    const struct shade_surface sum = {pixel->layer[SHADE_ALBEDO], pixel->layer[SHADE_NORMAL],
+                                      pixel->depth, pixel->alpha};
+    return scale_surface(&sum, render_image_scale(pixel));
 }
 
 static float most_difference(rgb a, rgb b) {
@@ -140,8 +144,11 @@ static void put_surface(const struct shade_surface *s, float x[REGRESSORS]) {
     memcpy(x, all, sizeof all);
 }
 
-// The light of a pixel, layer by layer, as filters leave it.
-static void put_light(const struct render_image *image, size_t at, float y[REGRESSION_VALUES]) {
+// The light of a pixel, layer by layer, as filters leave it; but the filter of noise mixes the
+// samples of a pixel that an edge crosses with those of pixels which have met its surfaces in other
+// proportions.
+static void put_light(const struct surface_edges *e, size_t at, float y[REGRESSION_VALUES]) {
+    const struct render_image *image = e->r->image;
     const struct image_pixel *p = &image->pixel[at];
     const float scale = render_image_scale(p);
     rgb light[REGRESSION_LAYERS];
@@ -149,7 +156,7 @@ static void put_light(const struct render_image *image, size_t at, float y[REGRE
     if (image->irradiance)
         light[SHADE_INDIRECT_DIFFUSE] =
             rgb_add(light[SHADE_INDIRECT_DIFFUSE], image->irradiance[at]);
-    if (image->change) {
+    if (image->change && !(e->differs[at] & CROSSED)) {
         const struct image_change *change = &image->change[at];
         light[SHADE_DIRECT] = rgb_add(light[SHADE_DIRECT], change->layer[NOISY_DIRECT]);
         light[SHADE_INDIRECT_GLOSSY] =
@@ -162,7 +169,8 @@ static void put_light(const struct render_image *image, size_t at, float y[REGRE
     }
 }
 
-static void read_neighbours(const struct render_image *image, size_t at, struct regression *g) {
+static void read_neighbours(const struct surface_edges *e, size_t at, struct regression *g) {
+    const struct render_image *image = e->r->image;
     const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
     g->count = 0;
     for (int v = y - RADIUS; v <= y + RADIUS; v++)
@@ -173,47 +181,58 @@ static void read_neighbours(const struct render_image *image, size_t at, struct 
             if (from == at || !pixel->samples) continue;
             const struct shade_surface surface = mean_surface(pixel);
             put_surface(&surface, g->x[g->count]);
-            put_light(image, from, g->y[g->count]);
+            put_light(e, from, g->y[g->count]);
             g->weight[g->count++] = (float)pixel->samples;
         }
 }
 
-// ---- The change of a pixel ----------------------------------------------------------------------
+// ---- Rays ---------------------------------------------------------------------------------------
 
 // The number of rays of a pixel with so many samples, a power of two, so that they are distributed
 // well.
 static uint32_t count_edge_rays(const struct surface_edges *e, double samples) {
-    const double few = fmin(RAYS_PER_SAMPLE * samples, RAYS_PLENTY),
-                 wanted = fmin(fmax(few, RAYS_ALWAYS * samples), RAYS_MOST),
-                 most = fmax(wanted, e->r->options.edge_rays);
+    const double most = fmax(RAYS_PER_SAMPLE * samples, e->r->options.edge_rays);
     uint32_t rays = 1;
-    while (rays < most) rays *= 2;
+    while (rays < fmin(most, RAYS_MOST)) rays *= 2;
     rays >>= e->ray_shift;
     return rays ? rays : 1;
 }
 
+static bool same_shape(const struct shade_surface *a, const struct shade_surface *b) {
+    struct shade_surface other = *b;
+    other.albedo = a->albedo;
+    return alike(a, &other, EDGE_ALIKE);
+}
+
 // The mean of the surfaces that the rays of a pixel see, by the filter's weights.
-static struct shade_surface trace_surfaces(const struct surface_edges *e, size_t at,
-                                           uint32_t rays) {
+static struct shade_surface trace_surfaces(const struct surface_edges *e, size_t at) {
     const size_t width = (size_t)e->r->image->width;
-    struct shade_surface sum = {0};
+    const struct shade *shade = &e->r->second_pass.shade;
+    const uint32_t rays = count_edge_rays(e, e->r->image->pixel[at].samples);
+    struct shade_surface first = {0}, sum = {0};
     float weights = 0.0f;
     for (uint32_t k = 0; k < rays; k++) {
         struct shade_surface s;
-        const float weight =
-            render_usable_weight(weights, k,
-                                 shade_find_surface(&e->r->second_pass.shade, (int)(at % width),
-                                                    (int)(at / width), k, &s));
+        const float weight = render_usable_weight(
+            weights, k, shade_find_surface(shade, (int)(at % width), (int)(at / width), k, &s));
+        if (k == 0) first = s;
+        if (!same_shape(&first, &s)) e->differs[at] |= CROSSED;
         sum.albedo = rgb_mad(sum.albedo, s.albedo, weight);
         sum.normal = rgb_mad(sum.normal, s.normal, weight);
         sum.depth += s.depth * weight;
         sum.alpha += s.alpha * weight;
         weights += weight;
     }
-    const float scale = 1.0f / weights;
-    return (struct shade_surface){rgb_scale(sum.albedo, scale), rgb_scale(sum.normal, scale),
-                                  sum.depth * scale, sum.alpha * scale};
+    return scale_surface(&sum, 1.0f / weights);
 }
+
+static void trace_edges(void *ctx, size_t begin, size_t end, int worker) {
+    const struct surface_edges *e = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) e->change[i].surface = trace_surfaces(e, e->list.pixel[i]);
+}
+
+// ---- The change of a pixel ----------------------------------------------------------------------
 
 // What the mean over samples and rays differs by from that over samples alone. The variance of
 // either falls as the power 1.5 of their number, where an edge crosses the pixel.
@@ -227,11 +246,29 @@ static struct shade_surface surface_change(const struct shade_surface *samples, 
                                   part * (found->alpha - samples->alpha)};
 }
 
+// Takes the filter of noise back from the light of a pixel that an edge crosses, as far as surfaces
+// explain the light around: adds what is left of it to `own`, and subtracts the rest from `light`.
+static void take_filter_back(const struct image_change *filter, const struct regression *g,
+                             float own[REGRESSION_VALUES], rgb light[REGRESSION_LAYERS]) {
+    static const int of_noisy[NOISY_LAYERS] = {
+        [NOISY_DIRECT] = SHADE_DIRECT, [NOISY_GLOSSY] = SHADE_INDIRECT_GLOSSY};
+    for (int k = 0; k < NOISY_LAYERS; k++) {
+        const int layer = of_noisy[k];
+        const rgb change = filter->layer[k], left = rgb_scale(change, 1.0f - g->reliance[layer]);
+        own[3 * layer] += left.r;
+        own[3 * layer + 1] += left.g;
+        own[3 * layer + 2] += left.b;
+        light[layer] = rgb_sub(left, change);
+    }
+}
+
 // Light changes by no more than it does between the pixels around, and is not negative.
-static void change_light(const struct render_image *image, size_t at, const struct regression *g,
+static void change_light(const struct surface_edges *e, size_t at, const struct regression *g,
                          struct pixel_change *out) {
+    const struct image_change *filter = e->r->image->change;
     float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
-    put_light(image, at, own);
+    put_light(e, at, own);
+    if (filter && e->differs[at] & CROSSED) take_filter_back(&filter[at], g, own, out->light);
     put_surface(&out->surface, dx);
     render_regression_change(g, dx, change);
     for (int c = 0; c < REGRESSION_VALUES; c++) {
@@ -239,26 +276,27 @@ static void change_light(const struct render_image *image, size_t at, const stru
         change[c] = isfinite(change[c]) ? clampf(change[c], maxf(least, -most), most) : 0.0f;
     }
     for (int k = 0; k < REGRESSION_LAYERS; k++)
-        out->light[k] = rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]);
+        out->light[k] =
+            rgb_add(out->light[k], rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]));
 }
 
 static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
     const struct surface_edges *e = ctx;
-    const struct render_image *image = e->r->image;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct regression g;
         const size_t at = e->list.pixel[i];
-        const uint32_t samples = image->pixel[at].samples,
-                       rays = count_edge_rays(e, (double)samples);
-        const struct shade_surface met = mean_surface(&image->pixel[at]),
-                                   found = trace_surfaces(e, at, rays);
+        const struct image_pixel *pixel = &e->r->image->pixel[at];
+        struct pixel_change *change = &e->change[i];
+        const struct shade_surface met = mean_surface(pixel), found = change->surface;
+        *change = (struct pixel_change){0};
         if (alike(&met, &found, EDGE_NONE)) continue;
-        read_neighbours(image, at, &g);
+        read_neighbours(e, at, &g);
         if (g.count < REGRESSION_LEAST) continue;
-        e->change[i].surface = surface_change(&met, samples, &found, rays);
+        change->surface =
+            surface_change(&met, pixel->samples, &found, count_edge_rays(e, pixel->samples));
         render_regression_fit(&g);
-        change_light(image, at, &g, &e->change[i]);
+        change_light(e, at, &g, change);
     }
 }
 
@@ -318,7 +356,10 @@ static bool edges_make(struct surface_edges *e, struct render *r, bool *failed) 
 static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
     const struct surface_edges *e = ctx;
     const size_t step = e->list.count / EDGES_TIMED + 1;
-    for (size_t i = begin; i < end; i++) change_edges(ctx, i * step, i * step + 1, worker);
+    for (size_t i = begin; i < end; i++) {
+        trace_edges(ctx, i * step, i * step + 1, worker);
+        change_edges(ctx, i * step, i * step + 1, worker);
+    }
 }
 
 // The time that all edges take, measured at some, whose changes are not applied.
@@ -364,6 +405,7 @@ bool render_edges(struct render *r) {
     if (r->options.time > 0.0 && !r->image->edges_fit) return true;
     if (!edges_make(&e, r, &failed)) return !failed;
     if (r->options.time > 0.0) e.ray_shift = r->image->edge_ray_shift;
+    parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, trace_edges, &e);
     parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, change_edges, &e);
     apply_changes(&e);
     stats_set(&r->stats, "image.edge_pixels", (double)e.list.count);

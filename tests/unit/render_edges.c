@@ -24,10 +24,19 @@ enum { SIDE = 48, PIXELS = SIDE * SIDE };
     "'/></transform><bsdf type='diffuse'>"                                          \
     "<rgb name='reflectance' value='" reflectance "'/></bsdf></shape>"
 
-static int tiled_seed;
-static float tiled_albedo[PIXELS];  // red, of the last image
+// A plate that leans so that it is half as bright.
+#define LEANING                                                                       \
+    "<shape type='rectangle'><transform name='to_world'><scale x='.8' y='.4'/>"       \
+    "<rotate x='1' angle='60'/><rotate z='1' angle='20'/><translate z='1.5'/>"        \
+    "</transform><bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' " \
+    "value='.8 .7 .6'/></bsdf></bsdf></shape>"
 
-// Renders without the caches and filters, whose errors are not those of edges.
+static int tiled_seed;
+static const char *tiled_filter = "off";  // of noise
+static float tiled_albedo[PIXELS];        // red, of the last image
+
+// Renders without the caches and, but for that of noise, filters, whose errors are not those of
+// edges.
 static void render_tiled(const char *body, const char *spp, const char *edge_rays, int threads,
                          float *beauty) {
     char text[2048];
@@ -35,10 +44,14 @@ static void render_tiled(const char *body, const char *spp, const char *edge_ray
     snprintf(text, sizeof text, "<scene version='3.0.0'>" LOOKING_DOWN "%s</scene>", body);
     satin_scene *scene = scene_case_load(&c, text);
     assert_non_null(scene);
-    const satin_setting settings[] = {{"quality", "draft"},    {"spp", spp},
-                                      {"max-depth", "2"},      {"photons", "2000"},
-                                      {"light-samples", "16"}, {"adaptive-sampling", "off"},
-                                      {"noise-filter", "off"}, {"edge-rays", edge_rays}};
+    const satin_setting settings[] = {{"quality", "draft"},
+                                      {"spp", spp},
+                                      {"max-depth", "2"},
+                                      {"photons", "2000"},
+                                      {"light-samples", "16"},
+                                      {"adaptive-sampling", "off"},
+                                      {"noise-filter", tiled_filter},
+                                      {"edge-rays", edge_rays}};
     satin_options options;
     assert_int_equal(satin_options_resolve(scene, settings, sizeof settings / sizeof *settings,
                                            NULL, NULL, &options),
@@ -89,6 +102,26 @@ static void edges_have_the_light_of_what_they_show(void **state) {
         assert_true(after < 0.1 * before);
         assert_true(fabs(bias) < 2e-3);
     }
+}
+
+// The filter of noise mixes samples of pixels that have met a tile in other proportions.
+static void edges_are_not_filtered(void **state) {
+    (void)state;
+    enum { SEEDS = 4 };
+    static const char tile[] = GROUND TILE("1", ".8 .7 .6") LEANING;
+    static float exact[3 * PIXELS], image[3 * PIXELS];
+    double bias, plain = 0.0, filtered = 0.0;
+    render_tiled(tile, "512", "0", 2, exact);
+    for (tiled_seed = 0; tiled_seed < SEEDS; tiled_seed++) {
+        render_tiled(tile, "2", "64", 2, image);
+        plain += edge_difference(image, exact, &bias);
+        tiled_filter = "on";
+        render_tiled(tile, "2", "64", 2, image);
+        filtered += edge_difference(image, exact, &bias);
+        tiled_filter = "off";
+    }
+    tiled_seed = 0;
+    assert_true(filtered < 1.2 * plain);
 }
 
 // Compositing and denoisers need features that agree with the light.
@@ -158,6 +191,7 @@ static void a_plain_surface_is_left_alone(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edges_have_the_light_of_what_they_show),
+        cmocka_unit_test(edges_are_not_filtered),
         cmocka_unit_test(features_are_corrected_with_the_light),
         cmocka_unit_test(thin_strips_stay_as_bright),
         cmocka_unit_test(changes_do_not_depend_on_threads),
