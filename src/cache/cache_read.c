@@ -13,7 +13,7 @@ static int find_or_nearest(const struct cache *cache, enum cache_kind kind,
                            const struct cache_lookup *at, float a,
                            struct cache_near near[CACHE_NEAR_MAX]) {
     const struct cache_tree *tree = &cache->store[kind].tree;
-    int count = cache_find(cache, kind, at->p, at->n, a, near);
+    int count = cache_find_close(cache, kind, at->p, at->n, a, near);
     if (count > 0 || !(at->fallback_radius > 0.0f)) return count;
     int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->fallback_radius);
     if (nearest < 0 || cache_leaks(cache, &tree->head[nearest], at->p)) return 0;

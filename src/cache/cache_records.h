@@ -121,6 +121,9 @@ float cache_rays_fraction(const struct cache *cache, enum cache_kind kind, size_
 // multiplied by the fractions of rays, as variance is the inverse of their number.
 int cache_find(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]);
+// For reading: where records are dense, only those close by.
+int cache_find_close(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
+                     struct cache_near near[CACHE_NEAR_MAX]);
 
 // ---- Validity (cache_valid.c): finite, and distances, radii and scales in their ranges ----------
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The weights of records of different numbers of rays.
+// The weights of records of different numbers of rays, and of dense ones.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,9 +18,21 @@ struct cache_find_fixture {
     struct cache *cache;
 };
 
-// A plate at z = 0, and two records at the same distance from its middle, of 48 and 500 rays: a
-// tenth of the options' rays, and more than all.
-static void cache_find_start(struct cache_find_fixture *f, float noise) {
+static void add_record(struct cache_find_fixture *f, float x, float y, float R, float E, int rays) {
+    const struct cache_head head = {.p = v3(x, y, 0),
+                                    .R = R,
+                                    .n = v3(0, 0, 1),
+                                    .search_radius = 2.0f * R,
+                                    .clear = 1.0f,
+                                    .scale = 1.0f,
+                                    .u = v3(1, 0, 0)};
+    const struct cache_irradiance_record record = {
+        .value = {.E = rgb_grey(E), .rays = (uint32_t)rays}, .radius_ratio = 1.0f};
+    assert_true(cache_insert_irradiance(f->cache, &head, &record));
+}
+
+// A plate at z = 0.
+static void cache_find_plate(struct cache_find_fixture *f, float noise) {
     *f = (struct cache_find_fixture){.options = satin_options_default};
     test_scene_init(&f->scene);
     test_rectangle(&f->scene, mat4_identity(), test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
@@ -30,18 +43,14 @@ static void cache_find_start(struct cache_find_fixture *f, float noise) {
     f->options.leak_test = false;
     f->cache = cache_new(&f->scene.scene, &f->options, 0);
     assert_non_null(f->cache);
-    for (int i = 0; i < 2; i++) {
-        const struct cache_head head = {.p = v3(i ? 0.1f : -0.1f, 0, 0),
-                                        .R = 0.5f,
-                                        .n = v3(0, 0, 1),
-                                        .search_radius = 1.0f,
-                                        .clear = 1.0f,
-                                        .scale = 1.0f,
-                                        .u = v3(1, 0, 0)};
-        const struct cache_irradiance_record record = {
-            .value = {.E = rgb_grey(i ? 1.0f : 12.0f), .rays = i ? 500 : 48}, .radius_ratio = 1.0f};
-        assert_true(cache_insert_irradiance(f->cache, &head, &record));
-    }
+}
+
+// Two records at the same distance from its middle, of 48 and 500 rays: a tenth of the options'
+// rays, and more than all.
+static void cache_find_start(struct cache_find_fixture *f, float noise) {
+    cache_find_plate(f, noise);
+    add_record(f, -0.1f, 0.0f, 0.5f, 12.0f, 48);
+    add_record(f, 0.1f, 0.0f, 0.5f, 1.0f, 500);
 }
 
 static void cache_find_stop(struct cache_find_fixture *f) {
@@ -95,11 +104,61 @@ static void records_of_few_rays_do_not_cover(void **state) {
     cache_find_stop(&f);
 }
 
+// Two circles with the same number of records, each of an irradiance.
+static void add_circles(struct cache_find_fixture *f, int count) {
+    for (int i = 0; i < count; i++) {
+        const float angle = 6.2831853f * (float)i / (float)count;
+        add_record(f, 0.1f * cosf(angle), 0.1f * sinf(angle), 1.0f, 1.0f, 500);
+        add_record(f, 0.4f * cosf(angle), 0.4f * sinf(angle), 1.0f, 5.0f, 500);
+    }
+}
+
+static float read_circles(const struct cache_find_fixture *f, float x) {
+    const struct cache_lookup at = {
+        .p = v3(x, 0, 0), .n = v3(0, 0, 1), .frame = frame_from_normal(v3(0, 0, 1))};
+    rgb E;
+    assert_true(cache_irradiance(f->cache, &at, f->options.irradiance_a, &E).count > 0);
+    return E.r;
+}
+
+// At a = .5 weights are .8 and .2. Of two records each all are read, of twelve only those close by.
+static void dense_records_are_read_closely(void **state) {
+    (void)state;
+    struct cache_find_fixture f;
+    cache_find_plate(&f, 0.0f);
+    add_circles(&f, 2);
+    assert_float_equal(read_circles(&f, 0.0f), (0.8f * 1.0f + 0.2f * 5.0f) / 1.0f, 1e-4f);
+    cache_find_stop(&f);
+    cache_find_plate(&f, 0.0f);
+    add_circles(&f, 12);
+    assert_float_equal(read_circles(&f, 0.0f), 1.0f, 1e-5f);
+    cache_find_stop(&f);
+}
+
+// From where records are dense to where they are not, no step is larger than others.
+static void close_records_leave_no_seam(void **state) {
+    (void)state;
+    enum { STEPS = 4000 };
+    struct cache_find_fixture f;
+    cache_find_plate(&f, 0.0f);
+    add_circles(&f, 12);
+    float before = read_circles(&f, 0.0f);
+    for (int i = 1; i <= STEPS; i++) {
+        const float E = read_circles(&f, 0.6f * (float)i / STEPS);
+        assert_true(fabsf(E - before) < 0.02f);
+        before = E;
+    }
+    assert_true(before > 4.0f);
+    cache_find_stop(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_are_by_numbers_of_rays),
         cmocka_unit_test(weights_are_equal_if_rays_follow_from_noise),
         cmocka_unit_test(records_of_few_rays_do_not_cover),
+        cmocka_unit_test(dense_records_are_read_closely),
+        cmocka_unit_test(close_records_leave_no_seam),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
