@@ -32,6 +32,9 @@ _Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixe
 // Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
 // the depth not by more than this fraction.
 static const float EDGE_ALIKE = 0.1f;
+// What the filter of noise adds to a pixel that an edge crosses may be this many times what it adds
+// to those around, in squares, before it counts as an error.
+static const float FILTER_NOISE = 30.0f;
 // No light follows from a surface that differs by less than this.
 static const float EDGE_NONE = 1e-4f;
 // The light of a pixel that goes at most, so that rounding makes none negative.
@@ -144,11 +147,8 @@ static void put_surface(const struct shade_surface *s, float x[REGRESSORS]) {
     memcpy(x, all, sizeof all);
 }
 
-// The light of a pixel, layer by layer, as filters leave it; but the filter of noise mixes the
-// samples of a pixel that an edge crosses with those of pixels which have met its surfaces in other
-// proportions.
-static void put_light(const struct surface_edges *e, size_t at, float y[REGRESSION_VALUES]) {
-    const struct render_image *image = e->r->image;
+// The light of a pixel, layer by layer, as filters leave it.
+static void put_light(const struct render_image *image, size_t at, float y[REGRESSION_VALUES]) {
     const struct image_pixel *p = &image->pixel[at];
     const float scale = render_image_scale(p);
     rgb light[REGRESSION_LAYERS];
@@ -156,7 +156,7 @@ static void put_light(const struct surface_edges *e, size_t at, float y[REGRESSI
     if (image->irradiance)
         light[SHADE_INDIRECT_DIFFUSE] =
             rgb_add(light[SHADE_INDIRECT_DIFFUSE], image->irradiance[at]);
-    if (image->change && !(e->differs[at] & CROSSED)) {
+    if (image->change) {
         const struct image_change *change = &image->change[at];
         light[SHADE_DIRECT] = rgb_add(light[SHADE_DIRECT], change->layer[NOISY_DIRECT]);
         light[SHADE_INDIRECT_GLOSSY] =
@@ -169,8 +169,7 @@ static void put_light(const struct surface_edges *e, size_t at, float y[REGRESSI
     }
 }
 
-static void read_neighbours(const struct surface_edges *e, size_t at, struct regression *g) {
-    const struct render_image *image = e->r->image;
+static void read_neighbours(const struct render_image *image, size_t at, struct regression *g) {
     const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
     g->count = 0;
     for (int v = y - RADIUS; v <= y + RADIUS; v++)
@@ -181,7 +180,7 @@ static void read_neighbours(const struct surface_edges *e, size_t at, struct reg
             if (from == at || !pixel->samples) continue;
             const struct shade_surface surface = mean_surface(pixel);
             put_surface(&surface, g->x[g->count]);
-            put_light(e, from, g->y[g->count]);
+            put_light(image, from, g->y[g->count]);
             g->weight[g->count++] = (float)pixel->samples;
         }
 }
@@ -246,29 +245,48 @@ static struct shade_surface surface_change(const struct shade_surface *samples, 
                                   part * (found->alpha - samples->alpha)};
 }
 
-// Takes the filter of noise back from the light of a pixel that an edge crosses, as far as surfaces
-// explain the light around: adds what is left of it to `own`, and subtracts the rest from `light`.
-static void take_filter_back(const struct image_change *filter, const struct regression *g,
-                             float own[REGRESSION_VALUES], rgb light[REGRESSION_LAYERS]) {
-    static const int of_noisy[NOISY_LAYERS] = {
-        [NOISY_DIRECT] = SHADE_DIRECT, [NOISY_GLOSSY] = SHADE_INDIRECT_GLOSSY};
-    for (int k = 0; k < NOISY_LAYERS; k++) {
-        const int layer = of_noisy[k];
-        const rgb change = filter->layer[k], left = rgb_scale(change, 1.0f - g->reliance[layer]);
-        own[3 * layer] += left.r;
-        own[3 * layer + 1] += left.g;
-        own[3 * layer + 2] += left.b;
-        light[layer] = rgb_sub(left, change);
-    }
+static float square_sum(rgb a) { return a.r * a.r + a.g * a.g + a.b * a.b; }
+
+// The mean square of what the filter of noise adds to the direct light of pixels around that no
+// edge crosses, for as many samples as the pixel has.
+static float filtered_noise(const struct surface_edges *e, size_t at) {
+    const struct render_image *image = e->r->image;
+    const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
+    float sum = 0.0f;
+    int count = 0;
+    for (int v = y - RADIUS; v <= y + RADIUS; v++)
+        for (int u = x - RADIUS; u <= x + RADIUS; u++) {
+            if (!in_image(image, u, v)) continue;
+            const size_t from = index_at(image, u, v);
+            if (e->differs[from] & CROSSED) continue;
+            sum += (float)image->pixel[from].samples *
+                   square_sum(image->change[from].layer[NOISY_DIRECT]);
+            count++;
+        }
+    return count ? sum / ((float)count * (float)image->pixel[at].samples) : 0.0f;
+}
+
+// The part of what the filter of noise adds to the direct light of a pixel that is not noise, but
+// an error: it mixes the samples of a pixel that an edge crosses with those of pixels which have
+// met its surfaces in other proportions.
+static rgb filter_error(const struct surface_edges *e, size_t at, const struct regression *g) {
+    const struct image_change *filter = e->r->image->change;
+    if (!filter || !(e->differs[at] & CROSSED)) return rgb_grey(0.0f);
+    const rgb added = filter[at].layer[NOISY_DIRECT];
+    const float square = square_sum(added), noise = FILTER_NOISE * filtered_noise(e, at);
+    if (!(square > noise)) return rgb_grey(0.0f);
+    return rgb_scale(added, g->reliance[SHADE_DIRECT] * (1.0f - noise / square));
 }
 
 // Light changes by no more than it does between the pixels around, and is not negative.
 static void change_light(const struct surface_edges *e, size_t at, const struct regression *g,
                          struct pixel_change *out) {
-    const struct image_change *filter = e->r->image->change;
+    const rgb error = filter_error(e, at, g);
     float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
-    put_light(e, at, own);
-    if (filter && e->differs[at] & CROSSED) take_filter_back(&filter[at], g, own, out->light);
+    put_light(e->r->image, at, own);
+    own[3 * SHADE_DIRECT] -= error.r;
+    own[3 * SHADE_DIRECT + 1] -= error.g;
+    own[3 * SHADE_DIRECT + 2] -= error.b;
     put_surface(&out->surface, dx);
     render_regression_change(g, dx, change);
     for (int c = 0; c < REGRESSION_VALUES; c++) {
@@ -276,8 +294,8 @@ static void change_light(const struct surface_edges *e, size_t at, const struct 
         change[c] = isfinite(change[c]) ? clampf(change[c], maxf(least, -most), most) : 0.0f;
     }
     for (int k = 0; k < REGRESSION_LAYERS; k++)
-        out->light[k] =
-            rgb_add(out->light[k], rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]));
+        out->light[k] = rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]);
+    out->light[SHADE_DIRECT] = rgb_sub(out->light[SHADE_DIRECT], error);
 }
 
 static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
@@ -291,7 +309,7 @@ static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
         const struct shade_surface met = mean_surface(pixel), found = change->surface;
         *change = (struct pixel_change){0};
         if (alike(&met, &found, EDGE_NONE)) continue;
-        read_neighbours(e, at, &g);
+        read_neighbours(e->r->image, at, &g);
         if (g.count < REGRESSION_LEAST) continue;
         change->surface =
             surface_change(&met, pixel->samples, &found, count_edge_rays(e, pixel->samples));
