@@ -21,6 +21,8 @@ SCENARIOS = {
                       "--integrator", "path", "-D", "spp=2"], [], 1),
     "denoise": Scenario(["render", "shelf.xml", "-o", "out.exr", "--threads", "1", "-q",
                          "--integrator", "path", "-D", "spp=2", "--denoise"], [], 1),
+    "coats": Scenario(["render", "shelf.xml", "-o", "out.exr", "--threads", "1", "-q",
+                       "--integrator", "path", "-D", "spp=2", "-D", "coats=coats.xml"], [], 1),
     "maps": Scenario(["maps", "in.exr", "-o", "."], [[*RENDER, "--set", "record-maps=on"]], 1),
     "study": Scenario(["study", "study.toml", "--list"], [], 1),
     "animation": Scenario(["render", "shelf.xml", "-o", "out.#.exr", "--threads", "1", "-q",
