@@ -9,7 +9,10 @@
 
 #include "stat_case.h"
 
+// The standard deviation of an image of the closed box is .09 %, over ten seeds: the mean of two
+// has a third of the bound. More photons per pass make the lookups smaller, not the noise.
 #define EXACT_BOUND 0.002
+#define EXACT_IMAGES 2
 #define MEAN_BOUND 0.01
 
 struct sppm_case {
@@ -19,11 +22,17 @@ struct sppm_case {
 };
 
 static double sppm_mean(const satin_scene *scene, const struct sppm_case *c) {
-    const satin_setting setting[] = {
-        {"integrator", "sppm"},       {"spp", "64"},   {"photons", "20000"},
-        {"caustic_photons", "20000"}, {"width", "24"}, {"height", "24"},
-        {"max_depth", c->max_depth}};
-    return stat_mean(scene, setting, 7);
+    const int images = c->rho > 0.0 ? EXACT_IMAGES : 1;
+    double sum = 0.0;
+    for (int i = 0; i < images; i++) {
+        const char seed[] = {(char)('0' + i), 0};
+        const satin_setting setting[] = {
+            {"integrator", "sppm"},       {"spp", "64"},   {"photons", "20000"},
+            {"caustic_photons", "20000"}, {"width", "24"}, {"height", "24"},
+            {"max_depth", c->max_depth},  {"seed", seed}};
+        sum += stat_mean(scene, setting, 8);
+    }
+    return sum / images;
 }
 
 static bool converges(const char *folder, const struct sppm_case *c) {
