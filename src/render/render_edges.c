@@ -32,9 +32,6 @@ _Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixe
 // Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
 // the depth not by more than this fraction.
 static const float EDGE_ALIKE = 0.1f;
-// What the filter of noise adds to a pixel that an edge crosses may be this many times what it adds
-// to those around, in squares, before it counts as an error.
-static const float FILTER_NOISE = 30.0f;
 // No light follows from a surface that differs by less than this.
 static const float EDGE_NONE = 1e-4f;
 // The light of a pixel that goes at most, so that rounding makes none negative.
@@ -245,45 +242,35 @@ static struct shade_surface surface_change(const struct shade_surface *samples, 
                                   part * (found->alpha - samples->alpha)};
 }
 
-static float square_sum(rgb a) { return a.r * a.r + a.g * a.g + a.b * a.b; }
-
-// The mean square of what the filter of noise adds to the direct light of pixels around that no
-// edge crosses, for as many samples as the pixel has.
-static float filtered_noise(const struct surface_edges *e, size_t at) {
-    const struct render_image *image = e->r->image;
-    const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
-    float sum = 0.0f;
-    int count = 0;
-    for (int v = y - RADIUS; v <= y + RADIUS; v++)
-        for (int u = x - RADIUS; u <= x + RADIUS; u++) {
-            if (!in_image(image, u, v)) continue;
-            const size_t from = index_at(image, u, v);
-            if (e->differs[from] & CROSSED) continue;
-            sum += (float)image->pixel[from].samples *
-                   square_sum(image->change[from].layer[NOISY_DIRECT]);
-            count++;
-        }
-    return count ? sum / ((float)count * (float)image->pixel[at].samples) : 0.0f;
-}
-
 // The part of what the filter of noise adds to the direct light of a pixel that is not noise, but
 // an error: it mixes the samples of a pixel that an edge crosses with those of pixels which have
-// met its surfaces in other proportions.
-static rgb filter_error(const struct surface_edges *e, size_t at, const struct regression *g) {
+// met its surfaces in other proportions. It is known by the light that the regression predicts for
+// the surfaces that the samples have met: noise is farther from that than filtered light.
+static rgb filter_error(const struct surface_edges *e, size_t at, const struct regression *g,
+                        const float met[REGRESSORS], const float own[REGRESSION_VALUES]) {
     const struct image_change *filter = e->r->image->change;
     if (!filter || !(e->differs[at] & CROSSED)) return rgb_grey(0.0f);
     const rgb added = filter[at].layer[NOISY_DIRECT];
-    const float square = square_sum(added), noise = FILTER_NOISE * filtered_noise(e, at);
-    if (!(square > noise)) return rgb_grey(0.0f);
-    return rgb_scale(added, g->reliance[SHADE_DIRECT] * (1.0f - noise / square));
+    const float by_channel[3] = {added.r, added.g, added.b};
+    float dx[REGRESSORS], predicted[REGRESSION_VALUES], with = 0.0f, without = 0.0f;
+    for (int k = 0; k < REGRESSORS; k++) dx[k] = met[k] - g->x_mean[k];
+    render_regression_change(g, dx, predicted);
+    for (int c = 0; c < 3; c++) {
+        const int at_c = 3 * SHADE_DIRECT + c;
+        const float off = own[at_c] - g->y_mean[at_c] - predicted[at_c];
+        with += sqrf(off);
+        without += sqrf(off - by_channel[c]);
+    }
+    return with > without ? rgb_scale(added, 1.0f - without / with) : rgb_grey(0.0f);
 }
 
 // Light changes by no more than it does between the pixels around, and is not negative.
 static void change_light(const struct surface_edges *e, size_t at, const struct regression *g,
-                         struct pixel_change *out) {
-    const rgb error = filter_error(e, at, g);
+                         const struct shade_surface *met, struct pixel_change *out) {
     float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
     put_light(e->r->image, at, own);
+    put_surface(met, dx);
+    const rgb error = filter_error(e, at, g, dx, own);
     own[3 * SHADE_DIRECT] -= error.r;
     own[3 * SHADE_DIRECT + 1] -= error.g;
     own[3 * SHADE_DIRECT + 2] -= error.b;
@@ -314,7 +301,7 @@ static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
         change->surface =
             surface_change(&met, pixel->samples, &found, count_edge_rays(e, pixel->samples));
         render_regression_fit(&g);
-        change_light(e, at, &g, change);
+        change_light(e, at, &g, &met, change);
     }
 }
 
