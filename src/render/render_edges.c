@@ -242,26 +242,45 @@ static struct shade_surface surface_change(const struct shade_surface *samples, 
                                   part * (found->alpha - samples->alpha)};
 }
 
-// The part of what the filter of noise adds to the direct light of a pixel that is not noise, but
-// an error: it mixes the samples of a pixel that an edge crosses with those of pixels which have
-// met its surfaces in other proportions. It is known by the light that the regression predicts for
-// the surfaces that the samples have met: noise is farther from that than filtered light.
+static const int LAYER_OF[NOISY_LAYERS] = {
+    [NOISY_DIRECT] = SHADE_DIRECT, [NOISY_GLOSSY] = SHADE_INDIRECT_GLOSSY};
+
+// The part of what the filter of noise adds to a layer of a pixel that is not noise, but an error:
+// it mixes the samples of a pixel that an edge crosses with those of pixels which have met its
+// surfaces in other proportions. It is known by the light that the regression predicts for the
+// surfaces that the samples have met: noise is farther from that than filtered light.
 static rgb filter_error(const struct surface_edges *e, size_t at, const struct regression *g,
-                        const float met[REGRESSORS], const float own[REGRESSION_VALUES]) {
-    const struct image_change *filter = e->r->image->change;
-    if (!filter || !(e->differs[at] & CROSSED)) return rgb_grey(0.0f);
-    const rgb added = filter[at].layer[NOISY_DIRECT];
+                        const float predicted[REGRESSION_VALUES],
+                        const float own[REGRESSION_VALUES], enum noisy_layer layer) {
+    const rgb added = e->r->image->change[at].layer[layer];
     const float by_channel[3] = {added.r, added.g, added.b};
-    float dx[REGRESSORS], predicted[REGRESSION_VALUES], with = 0.0f, without = 0.0f;
-    for (int k = 0; k < REGRESSORS; k++) dx[k] = met[k] - g->x_mean[k];
-    render_regression_change(g, dx, predicted);
+    float with = 0.0f, without = 0.0f;
     for (int c = 0; c < 3; c++) {
-        const int at_c = 3 * SHADE_DIRECT + c;
-        const float off = own[at_c] - g->y_mean[at_c] - predicted[at_c];
+        const int value = 3 * LAYER_OF[layer] + c;
+        const float off = own[value] - g->y_mean[value] - predicted[value];
         with += sqrf(off);
         without += sqrf(off - by_channel[c]);
     }
     return with > without ? rgb_scale(added, 1.0f - without / with) : rgb_grey(0.0f);
+}
+
+// Subtracts the errors of the filter of noise from `own`, and sets the light of `out` to that.
+static void take_filter_back(const struct surface_edges *e, size_t at, const struct regression *g,
+                             const struct shade_surface *met, float own[REGRESSION_VALUES],
+                             struct pixel_change *out) {
+    float dx[REGRESSORS], predicted[REGRESSION_VALUES];
+    if (!e->r->image->change || !(e->differs[at] & CROSSED)) return;
+    put_surface(met, dx);
+    for (int k = 0; k < REGRESSORS; k++) dx[k] -= g->x_mean[k];
+    render_regression_change(g, dx, predicted);
+    for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++) {
+        const rgb error = filter_error(e, at, g, predicted, own, layer);
+        float *value = &own[3 * LAYER_OF[layer]];
+        value[0] -= error.r;
+        value[1] -= error.g;
+        value[2] -= error.b;
+        out->light[LAYER_OF[layer]] = rgb_scale(error, -1.0f);
+    }
 }
 
 // Light changes by no more than it does between the pixels around, and is not negative.
@@ -269,11 +288,7 @@ static void change_light(const struct surface_edges *e, size_t at, const struct 
                          const struct shade_surface *met, struct pixel_change *out) {
     float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
     put_light(e->r->image, at, own);
-    put_surface(met, dx);
-    const rgb error = filter_error(e, at, g, dx, own);
-    own[3 * SHADE_DIRECT] -= error.r;
-    own[3 * SHADE_DIRECT + 1] -= error.g;
-    own[3 * SHADE_DIRECT + 2] -= error.b;
+    take_filter_back(e, at, g, met, own, out);
     put_surface(&out->surface, dx);
     render_regression_change(g, dx, change);
     for (int c = 0; c < REGRESSION_VALUES; c++) {
@@ -281,8 +296,8 @@ static void change_light(const struct surface_edges *e, size_t at, const struct 
         change[c] = isfinite(change[c]) ? clampf(change[c], maxf(least, -most), most) : 0.0f;
     }
     for (int k = 0; k < REGRESSION_LAYERS; k++)
-        out->light[k] = rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]);
-    out->light[SHADE_DIRECT] = rgb_sub(out->light[SHADE_DIRECT], error);
+        out->light[k] =
+            rgb_add(out->light[k], rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]));
 }
 
 static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
