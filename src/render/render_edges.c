@@ -264,7 +264,8 @@ static rgb filter_error(const struct surface_edges *e, size_t at, const struct r
     return with > without ? rgb_scale(added, 1.0f - without / with) : rgb_grey(0.0f);
 }
 
-// Subtracts the errors of the filter of noise from `own`, and sets the light of `out` to that.
+// Subtracts the errors of the filter of noise from `own`, and sets the light of `out` to that
+// change.
 static void take_filter_back(const struct surface_edges *e, size_t at, const struct regression *g,
                              const struct shade_surface *met, float own[REGRESSION_VALUES],
                              struct pixel_change *out) {
