@@ -203,7 +203,8 @@ static double finish_seconds(const struct render *r) {
     if (!(r->options.time > 0.0)) return 0.0;
     const double pixels = (double)r->options.width * (double)r->options.height;
     const double filter = render_budget_filters(r) ? filter_estimate(r) : 0.0;
-    const double rims = render_has_rims(r) ? RIMS_SECONDS : 0.0;
+    const bool late_rims = render_has_rims(r) && !(r->image && r->image->rims_taken);
+    const double rims = late_rims ? RIMS_SECONDS : 0.0;
     const double noise = render_budget_filters_noise(r) ? noise_filter_estimate(r) : 0.0;
     return WRITE_SECONDS + filter + noise + (r->image ? r->image->edge_seconds : 0.0) +
            (r->progress.write_pixel_seconds + rims) * pixels / parallel_threads(r->pool) +
