@@ -391,6 +391,16 @@ static double edges_seconds(struct surface_edges *e) {
     return (stats_wall() - start) * (double)step;
 }
 
+// The rays of all edges when their pixels have `growth` times the samples.
+static double sum_edge_rays(const struct surface_edges *e, double growth) {
+    double sum = 0.0;
+    for (size_t i = 0; i < e->list.count; i++) {
+        const double samples = (double)e->r->image->pixel[e->list.pixel[i]].samples;
+        sum += (double)count_edge_rays(e, growth * samples);
+    }
+    return sum;
+}
+
 void render_edges_plan(struct render *r) {
     struct render_image *image = r->image;
     struct surface_edges e;
@@ -402,10 +412,9 @@ void render_edges_plan(struct render *r) {
     image->edges_planned = image->taken;
     if (!edges_make(&e, r, &failed)) return;
     // Up to twice as many samples will be there at the next plan, or at the end.
-    const double samples = (double)image->taken / (double)render_pixel_count(image),
-                 more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
-                 later = samples * fmin(1.0 + more / (double)image->taken, PLAN_AGAIN),
-                 growth = (double)count_edge_rays(&e, later) / count_edge_rays(&e, samples),
+    const double more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
+                 later = fmin(1.0 + more / (double)image->taken, PLAN_AGAIN),
+                 growth = sum_edge_rays(&e, later) / fmax(sum_edge_rays(&e, 1.0), 1.0),
                  most = EDGES_FRACTION * r->options.time, left = render_budget_left(r);
     double seconds = growth * render_agreed(r, edges_seconds(&e));
     while (seconds > fmin(most, left) && e.ray_shift < RAY_SHIFT_MOST) {
