@@ -365,12 +365,13 @@ static double fitting_samples(const struct render *r, double sample_seconds) {
 
 // Where fewer samples per pixel than LIGHTS_SPP fit, each has fewer light samples so that as many
 // fit, as far as LIGHTS_FEWEST allows: with less the variance by one of them is not known. Pixels
-// of one sample have no noise to go by, and their edges are ragged. At 1 CPU second six scenes of
-// 200x200, where .9 to 2 samples fit, have .72 times the error (geometric mean, three seeds). At 2
-// seconds, where 2 to 3.6 fit, fewer light samples leave .96 of it, but 1.2 and 1.4 times in
-// indirect-room. A sample without direct light takes LIGHTS_REST of the time of one with 8 light
-// samples in bathroom.
-static const double LIGHTS_SPP = 2.0, LIGHTS_FEWEST = 2.0, LIGHTS_REST = 0.5;
+// of one sample have no noise to go by. With 2 instead of 1.5, as when edges were ragged where
+// pixels had few samples, relMSE is 1.16 times that at 2 CPU seconds and 200x200 (geometric mean of
+// six scenes, four seeds), and in cornell-glossy, cornell-metal and caustic 1.6, 1.2 and 1.04 times
+// at 8 and 400x400; with 1 it is .98, 1.04 and .88 times there, but one of eight seeds of
+// cornell-metal at 2 seconds has 3 times as much. A sample without direct light takes LIGHTS_REST
+// of the time of one with 8 light samples in bathroom.
+static const double LIGHTS_SPP = 1.5, LIGHTS_FEWEST = 2.0, LIGHTS_REST = 0.5;
 
 uint32_t render_budget_lights(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;

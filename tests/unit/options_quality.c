@@ -13,7 +13,7 @@
 
 #include "render/options_table.h"
 
-static const double PIXELS = 160000.0;
+static const double PIXELS = 80000.0;
 
 static satin_options options_quality_make(satin_quality quality) {
     satin_options o = satin_options_default;
@@ -32,7 +32,7 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
     satin_options least = options_quality_make(SATIN_DRAFT),
                   last = options_quality_make(SATIN_PRODUCTION);
     options_quality_seconds(&least, 1e-9, PIXELS);
-    options_quality_seconds(&last, 4.5e-4 * PIXELS, PIXELS);
+    options_quality_seconds(&last, 9e-4 * PIXELS, PIXELS);
     satin_options draft = options_quality_make(SATIN_DRAFT),
                   production = options_quality_make(SATIN_PRODUCTION);
     // Samples that fit are more than those of the preset, so each has fewer gather rays; with
@@ -54,7 +54,7 @@ static void many_cores_ask_for_more(void **state) {
     (void)state;
     satin_options two = options_quality_make(SATIN_PREVIEW),
                   many = options_quality_make(SATIN_PREVIEW);
-    const double pixels = 2.0 * 10.0 / 4.5e-4;
+    const double pixels = 2.0 * 10.0 / 9e-4;
     options_quality_seconds(&two, 2.0 * 10.0, pixels);
     options_quality_seconds(&many, 64.0 * 10.0, pixels);
     assert_int_equal(two.irradiance_rays, 2000);
