@@ -141,6 +141,12 @@ static satin_status fill_gaps(struct fill_adaptation *c) {
     return status;
 }
 
+// So that a pass that was stopped leaves no gaps.
+static satin_status undo_shrinking(struct fill_adaptation *c, satin_status status) {
+    for (size_t i = 0; i < c->records; i++) c->tree->head[i].scale = c->scale[i];
+    return status;
+}
+
 static satin_status adapt_records(struct fill_adaptation *c) {
     struct parallel *pool = c->fill->pool;
     int pass = 0;
@@ -161,7 +167,7 @@ static satin_status adapt_records(struct fill_adaptation *c) {
             if (c->tree->head[i].scale < c->scale[i]) c->change[i]++;
         double gather = stats_wall();
         satin_status status = fill_gaps(c);
-        if (status != SATIN_OK) return status;
+        if (status != SATIN_OK) return undo_shrinking(c, status);
         double note = stats_wall();
         if (!note_changes(c)) return SATIN_ERROR_MEMORY;
         c->fill->adapted.seconds += gather - start + (stats_wall() - note);

@@ -98,6 +98,43 @@ static void threads_do_not_change_adapted_records(void **state) {
     fill_case_free(&b);
 }
 
+static bool adaptation_stops(void *user, double done) {
+    (void)done;
+    return --*(int *)user < 0;
+}
+
+// Stopped anywhere, as by a time limit, it leaves a record at every point that had one. *whole says
+// whether it came to its end.
+static void stop_adaptation(int chunks, bool *whole) {
+    struct fill_case f;
+    fill_adaptive_start(&f, 1);
+    const struct fill_sites sites = {.site = f.site,
+                                     .count = FILL_CASE_SITES,
+                                     .a = f.options.irradiance_a,
+                                     .factor_max = 2.0f,
+                                     .spacing = 1.5f};
+    assert_int_equal(fill_records(f.fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
+    for (int i = 0; i < FILL_CASE_SITES; i++) {
+        f.site[i].shading_p = f.site[i].p;
+        f.site[i].diffuse = rgb_grey(0.8f / PI_F);
+    }
+    parallel_set_progress(f.pool, adaptation_stops, &chunks);
+    *whole = fill_adapt(f.fill, CACHE_IRRADIANCE, &sites, 1.5f * sites.a) == SATIN_OK;
+    struct cache_near near[CACHE_NEAR_MAX];
+    for (int i = 0; i < FILL_CASE_SITES; i++)
+        assert_true(cache_find(f.cache, CACHE_IRRADIANCE, f.site[i].p, f.site[i].frame.n,
+                               f.options.irradiance_a, near) > 0);
+    fill_case_free(&f);
+}
+
+static void a_stop_leaves_no_gaps(void **state) {
+    (void)state;
+    bool whole = false;
+    int stops = 0;
+    for (int chunks = 0; !whole; chunks += 1 + chunks / 8, stops++) stop_adaptation(chunks, &whole);
+    assert_true(stops > 8);
+}
+
 // The largest difference, over the mean, of the light of a record at any site from that of all
 // records that are read there, among those that are farther away than the least radius. *reads is
 // set to the mean number of records that are read.
@@ -155,6 +192,7 @@ int main(void) {
         cmocka_unit_test(no_record_is_read_untested),
         cmocka_unit_test(direct_light_hides_differences),
         cmocka_unit_test(threads_do_not_change_adapted_records),
+        cmocka_unit_test(a_stop_leaves_no_gaps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
