@@ -123,9 +123,9 @@ static void short_limits_have_fewer_light_samples(void **state) {
     render_limit_image(&r);
     const double pixels = 10000.0, seconds = r.progress.deadline;
     r.options.light_samples = 8;
-    assert_int_equal(render_budget_lights(&r, seconds / (pixels * 2.1)), 8);
+    assert_int_equal(render_budget_lights(&r, seconds / (pixels * 1.6)), 8);
     // Three quarters of the samples that should fit: the time of half of the light samples.
-    assert_int_equal(render_budget_lights(&r, seconds / (pixels * 1.51)), 4);
+    assert_int_equal(render_budget_lights(&r, seconds / (pixels * 1.13)), 4);
     assert_int_equal(render_budget_lights(&r, seconds / (pixels * 0.5)), 2);
     r.options.light_samples = 1;
     assert_int_equal(render_budget_lights(&r, seconds / (pixels * 0.5)), 1);
