@@ -74,8 +74,9 @@ static const double KERNEL_PIXEL = 1.0 / 30.0;
 // a tenth, the filter by a quarter and more. And its longest time after a cancellation [s].
 static const double FILTER_FRACTION = 0.1, FILTER_CANCELLED = 0.5;
 
-// The largest fraction of the limit for the filter of noise.
-static const double NOISE_FILTER_FRACTION = 0.25;
+// The largest fraction of the limit for the filter of noise, and that of its time by which it may
+// exceed the limit: an image of one sample per pixel is worth little without it.
+static const double NOISE_FILTER_FRACTION = 0.25, NOISE_LATE = 0.5;
 
 enum {
     EQUAL_LEAST = 2,     // least number of samples per pixel that are distributed equally
@@ -199,8 +200,14 @@ bool render_budget_filters(const struct render *r) {
 }
 
 bool render_budget_filters_noise(const struct render *r) {
+    if (r->image && r->image->noise_unfit) return false;
     const double most = filter_most(r, NOISE_FILTER_FRACTION);
     return isinf(most) || noise_filter_estimate(r) <= most;
+}
+
+// The time for the filter of noise, if it is to run.
+static double noise_filter_kept(const struct render *r) {
+    return render_budget_filters_noise(r) ? noise_filter_estimate(r) : 0.0;
 }
 
 // The time after the image; 0 without a time limit.
@@ -210,7 +217,8 @@ static double finish_seconds(const struct render *r) {
     const double filter = render_budget_filters(r) ? filter_estimate(r) : 0.0;
     const bool late_rims = render_has_rims(r) && !(r->image && r->image->rims_taken);
     const double rims = late_rims ? RIMS_SECONDS : 0.0;
-    const double noise = render_budget_filters_noise(r) ? noise_filter_estimate(r) : 0.0;
+    const bool waits = r->image && r->image->noise_waits;
+    const double noise = waits ? 0.0 : noise_filter_kept(r);
     return WRITE_SECONDS + filter + noise + (r->image ? r->image->edge_seconds : 0.0) +
            (r->progress.write_pixel_seconds + rims) * pixels / parallel_threads(r->pool) +
            denoise_seconds(r);
@@ -311,9 +319,20 @@ bool render_budget_next_round(const struct render *r, double seconds) {
 }
 
 void render_limit_image(struct render *r) {
-    // No pixel is to miss its first sample for edges, which are planned after it.
-    if (r->image && r->image->taken == 0) r->image->edge_seconds = 0.0;
+    // No pixel is to miss its first sample for edges and the filter of noise, which are planned
+    // after it.
+    if (r->image && r->image->taken == 0) {
+        r->image->edge_seconds = 0.0;
+        r->image->noise_waits = true;
+    }
     r->progress.deadline = render_elapsed(r) + render_budget_left(r);
+}
+
+void render_budget_plan_noise(struct render *r) {
+    if (!r->image->noise_waits) return;
+    r->image->noise_waits = false;
+    const double estimate = noise_filter_estimate(r);
+    r->image->noise_unfit = render_budget_left(r) < -NOISE_LATE * estimate;
 }
 
 void render_limit_coarse(struct render *r) {
@@ -384,7 +403,9 @@ static const double LIGHTS_SPP = 1.5, LIGHTS_FEWEST = 2.0, LIGHTS_REST = 0.5;
 
 uint32_t render_budget_lights(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const double samples = render_budget_left(r) / sample_seconds / pixels;
+    // The time for the filter of noise is kept after the first samples, if they leave it.
+    const double left = render_budget_left(r) - noise_filter_kept(r);
+    const double samples = left / sample_seconds / pixels;
     const double all = (double)r->options.light_samples;
     const double fraction = (samples / LIGHTS_SPP - LIGHTS_REST) / (1.0 - LIGHTS_REST);
     return (uint32_t)fmax(fmin(all * fraction, all), fmin(all, LIGHTS_FEWEST));

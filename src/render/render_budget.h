@@ -289,5 +289,7 @@ bool render_budget_denoises(const struct render *r);
 bool render_budget_filters(const struct render *r);
 // Whether noise is filtered, likewise.
 bool render_budget_filters_noise(const struct render *r);
+// To be called when all pixels have a sample: decides whether there is time for it.
+void render_budget_plan_noise(struct render *r);
 
 #endif

@@ -115,6 +115,7 @@ static bool next_pass(struct render *r, uint64_t *samples) {
     parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     // Again, as the samples so far show how long the filter of irradiance and edges will take.
+    if (image->taken >= pixels) render_budget_plan_noise(r);
     render_edges_plan(r);
     render_limit_image(r);
     *samples = render_budget_pass(r, image->taken, image->sample_seconds);

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "budget_case.h"
+#include "render/render_image.h"
 
 static void passes_grow_until_little_is_left(void **state) {
     (void)state;
@@ -132,12 +133,38 @@ static void short_limits_have_fewer_light_samples(void **state) {
     parallel_free(r.pool);
 }
 
+// What the filter of noise takes is kept once all pixels have a sample, or not at all if there is
+// too little.
+static void first_samples_come_before_the_filter_of_noise(void **state) {
+    (void)state;
+    static const double LEFT[] = {300.0, 2.0};  // seconds after the first samples
+    for (int i = 0; i < 2; i++) {
+        struct render r = budget_case(1000.0);
+        struct image_noisy light;
+        struct render_image image = {.width = 100, .height = 100, .noisy_light = &light};
+        r.image = &image;
+        r.progress.noise_pixel_seconds = 0.01;  // 100 seconds
+        const double all = render_budget_left(&r);
+        assert_true(all < 901.0);
+        render_limit_image(&r);
+        assert_true(render_budget_left(&r) > all + 99.0);
+        r.progress.start = stats_wall() - 1000.0 + LEFT[i];
+        image.taken = 10000;
+        render_budget_plan_noise(&r);
+        assert_int_equal(render_budget_filters_noise(&r), i == 0);
+        const double kept = i == 0 ? 100.0 : 0.0;
+        assert_true(fabs(render_budget_left(&r) - (LEFT[i] - kept)) < 1.0);
+        parallel_free(r.pool);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(passes_grow_until_little_is_left),
         cmocka_unit_test(passes_take_what_the_options_say),
         cmocka_unit_test(first_samples_are_few),
         cmocka_unit_test(short_limits_have_fewer_light_samples),
+        cmocka_unit_test(first_samples_come_before_the_filter_of_noise),
         cmocka_unit_test(rays_at_rims_are_a_fraction_of_the_samples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
