@@ -211,6 +211,10 @@ void options_quality_preset(satin_options *options, satin_quality quality) {
     options_quality_copy(options, &preset[quality].options);
 }
 
+bool options_quality_chooses(const satin_options *options, const struct option *o) {
+    return o->by_quality && same_value(options, &preset[options->quality].options, o);
+}
+
 bool options_quality_chooses_photons(const satin_options *options) {
     return options->photons == preset[options->quality].options.photons;
 }
@@ -233,10 +237,9 @@ static double effort_of(const satin_options *options, const struct option *o, do
 }
 
 void options_quality_seconds(satin_options *options, double seconds, double pixels) {
-    const satin_options *chosen = &preset[options->quality].options;
     for (int i = 0; i < options_table_count; i++) {
         const struct option *o = &options_table[i];
-        if (!o->by_quality || !same_value(options, chosen, o)) continue;
+        if (!options_quality_chooses(options, o)) continue;
         set_by_effort(options, o, effort_of(options, o, seconds, pixels));
         if (o->offset == offsetof(satin_options, glossy_samples))
             set_number(options, o, options->denoise ? DENOISED_GLOSSY : TIMED_GLOSSY);

@@ -5,6 +5,7 @@
 #ifndef OPTIONS_QUALITY_H
 #define OPTIONS_QUALITY_H
 
+#include "render/options_table.h"
 #include "satin/options.h"
 
 // The fields that quality decides at `preview`, which are the defaults too: for an initializer,
@@ -25,6 +26,8 @@ void options_quality_seconds(satin_options *options, double seconds, double pixe
 // Copies the options that quality decides.
 void options_quality_copy(satin_options *to, const satin_options *from);
 
+// Whether the quality, or a time limit, decides this option: the user has not chosen another value.
+bool options_quality_chooses(const satin_options *options, const struct option *option);
 // Whether the number of photons, or of those of caustics, is that of the preset, and not one that
 // the user chose.
 bool options_quality_chooses_photons(const satin_options *options);

@@ -8,6 +8,7 @@
 
 #include "base/fileio.h"
 #include "base/text.h"
+#include "render/options_quality.h"
 #include "render/options_table.h"
 #include "render/render_state.h"
 
@@ -80,6 +81,37 @@ static struct cache_provenance provenance_of(const struct render *r, char **opti
     return (struct cache_provenance){r->scene.world, image_hash(r), *options};
 }
 
+// A time limit chooses options by the time that loading the scene has left, which is never the same
+// twice. So what it chose for the records of a file stays, unless the caller chose another value.
+// False if there is no memory.
+static bool take_options(struct render *r, const char *words) {
+    char *copy = strdup(words), *rest = NULL;
+    if (!copy) return false;
+    for (char *word = strtok_r(copy, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) {
+        char *value = strchr(word, '=');
+        if (!value) continue;
+        *value++ = '\0';
+        const struct option *o = options_find(word);
+        if (o && options_quality_chooses(r->motion.options, o)) option_parse(o, value, &r->options);
+    }
+    free(copy);
+    return true;
+}
+
+// Whether the records are those that this render would make.
+static satin_status check_file(struct render *r, const char *path) {
+    const char *words = cache_file_summary(r->second_pass.file).provenance.options;
+    const bool timed = r->options.time > 0.0 && r->motion.options;
+    if (timed && !take_options(r, words)) return SATIN_ERROR_MEMORY;
+    char *options;
+    const struct cache_provenance provenance = provenance_of(r, &options);
+    const satin_status status =
+        options ? cache_file_check(r->second_pass.file, &provenance, path, r->log)
+                : SATIN_ERROR_MEMORY;
+    free(options);
+    return status;
+}
+
 satin_status render_cache_open(struct render *r) {
     const char *path = r->callbacks.load_cache;
     const bool records = r->options.integrator == SATIN_TWO_PASS && r->options.final_gather;
@@ -90,19 +122,12 @@ satin_status render_cache_open(struct render *r) {
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: the scene was read from this file",
                         r->callbacks.save_cache);
     if (!path) return SATIN_OK;
-    char *options;
-    const struct cache_provenance provenance = provenance_of(r, &options);
-    satin_status status = SATIN_ERROR_MEMORY;
-    if (options)
-        status = fileio_read(r->log, (struct log_place){0}, path, BYTES_MAX,
-                             &r->second_pass.file_bytes, &r->second_pass.file_size);
+    satin_status status = fileio_read(r->log, (struct log_place){0}, path, BYTES_MAX,
+                                      &r->second_pass.file_bytes, &r->second_pass.file_size);
     if (status == SATIN_OK)
         status = cache_file_parse(r->second_pass.file_bytes, r->second_pass.file_size, path, r->log,
                                   &r->second_pass.file);
-    if (status == SATIN_OK)
-        status = cache_file_check(r->second_pass.file, &provenance, path, r->log);
-    free(options);
-    return status;
+    return status == SATIN_OK ? check_file(r, path) : status;
 }
 
 bool render_cache_whole(const struct render *r) {
