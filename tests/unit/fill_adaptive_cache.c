@@ -35,6 +35,15 @@ static void fill_adaptive_start(struct fill_case *f, int threads) {
         (struct fill_site){.pixel = CACHE_ADAPTIVE_PIXEL, .kinds = 1 << CACHE_IRRADIANCE});
 }
 
+// Makes all sites diffuse, beside direct light of that luminance.
+static void fill_adaptive_shade(struct fill_case *f, float light) {
+    for (int i = 0; i < FILL_CASE_SITES; i++) {
+        f->site[i].shading_p = f->site[i].p;
+        f->site[i].diffuse = rgb_grey(0.8f / PI_F);
+        f->site[i].direct = light;
+    }
+}
+
 // Fills, then converges beside direct light of that luminance; returns how many records were added.
 static size_t fill_adaptive_run(struct fill_case *f, float light) {
     struct fill_sites sites = {.site = f->site,
@@ -45,11 +54,7 @@ static size_t fill_adaptive_run(struct fill_case *f, float light) {
     assert_int_equal(fill_records(f->fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
     sites.count = FILL_CASE_SITES;
     assert_int_equal(fill_records(f->fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
-    for (int i = 0; i < FILL_CASE_SITES; i++) {
-        f->site[i].shading_p = f->site[i].p;
-        f->site[i].diffuse = rgb_grey(0.8f / PI_F);
-        f->site[i].direct = light;
-    }
+    fill_adaptive_shade(f, light);
     size_t before = cache_count(f->cache, CACHE_IRRADIANCE);
     assert_int_equal(fill_adapt(f->fill, CACHE_IRRADIANCE, &sites, 1.5f * sites.a), SATIN_OK);
     return cache_count(f->cache, CACHE_IRRADIANCE) - before;
@@ -114,10 +119,7 @@ static void stop_adaptation(int chunks, bool *whole) {
                                      .factor_max = 2.0f,
                                      .spacing = 1.5f};
     assert_int_equal(fill_records(f.fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
-    for (int i = 0; i < FILL_CASE_SITES; i++) {
-        f.site[i].shading_p = f.site[i].p;
-        f.site[i].diffuse = rgb_grey(0.8f / PI_F);
-    }
+    fill_adaptive_shade(&f, 0.0f);
     parallel_set_progress(f.pool, adaptation_stops, &chunks);
     *whole = fill_adapt(f.fill, CACHE_IRRADIANCE, &sites, 1.5f * sites.a) == SATIN_OK;
     struct cache_near near[CACHE_NEAR_MAX];
@@ -171,10 +173,7 @@ static void no_record_is_read_untested(void **state) {
     const struct fill_sites sites = {
         .site = f.site, .count = FILL_CASE_SITES, .a = 0.3f, .factor_max = 2.5f, .spacing = 0.5f};
     assert_int_equal(fill_records(f.fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
-    for (int i = 0; i < FILL_CASE_SITES; i++) {
-        f.site[i].shading_p = f.site[i].p;
-        f.site[i].diffuse = rgb_grey(0.8f / PI_F);
-    }
+    fill_adaptive_shade(&f, 0.0f);
     float reads, last;
     const float before = largest_difference(&f, READ, &reads);
     assert_int_equal(fill_adapt(f.fill, CACHE_IRRADIANCE, &sites, READ), SATIN_OK);
