@@ -60,6 +60,13 @@ static size_t fill_adaptive_run(struct fill_case *f, float light) {
     return cache_count(f->cache, CACHE_IRRADIANCE) - before;
 }
 
+static void assert_sites_are_covered(const struct fill_case *f) {
+    struct cache_near near[CACHE_NEAR_MAX];
+    for (int i = 0; i < FILL_CASE_SITES; i++)
+        assert_true(cache_find(f->cache, CACHE_IRRADIANCE, f->site[i].p, f->site[i].frame.n,
+                               f->options.irradiance_a, near) > 0);
+}
+
 static void records_are_added_where_they_disagree(void **state) {
     (void)state;
     struct fill_case f;
@@ -71,10 +78,7 @@ static void records_are_added_where_they_disagree(void **state) {
     for (size_t i = 0; i < f.cache->store[CACHE_IRRADIANCE].tree.head_count; i++)
         smaller = smaller || f.cache->store[CACHE_IRRADIANCE].tree.head[i].scale < 1.0f;
     assert_true(smaller);
-    struct cache_near near[CACHE_NEAR_MAX];
-    for (int i = 0; i < FILL_CASE_SITES; i++)
-        assert_true(cache_find(f.cache, CACHE_IRRADIANCE, f.site[i].p, f.site[i].frame.n,
-                               f.options.irradiance_a, near) > 0);
+    assert_sites_are_covered(&f);
     fill_case_free(&f);
 }
 
@@ -122,10 +126,7 @@ static void stop_adaptation(int chunks, bool *whole) {
     fill_adaptive_shade(&f, 0.0f);
     parallel_set_progress(f.pool, adaptation_stops, &chunks);
     *whole = fill_adapt(f.fill, CACHE_IRRADIANCE, &sites, 1.5f * sites.a) == SATIN_OK;
-    struct cache_near near[CACHE_NEAR_MAX];
-    for (int i = 0; i < FILL_CASE_SITES; i++)
-        assert_true(cache_find(f.cache, CACHE_IRRADIANCE, f.site[i].p, f.site[i].frame.n,
-                               f.options.irradiance_a, near) > 0);
+    assert_sites_are_covered(&f);
     fill_case_free(&f);
 }
 
