@@ -46,11 +46,6 @@ static const double NEXT_ROUND = 0.3;
 // .15 none.
 static const double COARSE_ROUND = 0.15;
 
-// The largest fraction of the remaining time for adaptive caching after the rounds. In six scenes
-// and a furnished room it is .02 to .1 after limits of 4 and 10 CPU seconds, and .004 to .02 after
-// four times as long.
-static const double ADAPT_FRACTION = 0.15;
-
 // The largest fraction of the time limit that is kept for denoising: the render of a large image
 // exceeds the limit rather than having no samples.
 static const double DENOISE_FRACTION = 0.5;
@@ -303,10 +298,6 @@ int render_budget_pilot(const struct render *r, double samples) {
 
 void render_limit_coarse_records(struct render *r) {
     r->progress.deadline = render_elapsed(r) + COARSE_ROUND * render_budget_left(r);
-}
-
-void render_limit_adaptive_cache(struct render *r) {
-    r->progress.deadline = render_elapsed(r) + ADAPT_FRACTION * render_budget_left(r);
 }
 
 double render_budget_first_round(const struct render *r) {

@@ -172,8 +172,6 @@ bool render_budget_next_round(const struct render *r, double seconds);
 // Otherwise: the records of the next round end after so short a time that only the coarsest ones,
 // which are seen most, have all rays.
 void render_limit_coarse_records(struct render *r);
-// Adaptive caching, after the last round.
-void render_limit_adaptive_cache(struct render *r);
 
 // What the first round has made so far, and the rays of its records. It must cover the image within
 // its time, whatever the number of records: in furnished rooms it is some thousand.

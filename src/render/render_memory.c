@@ -160,7 +160,7 @@ static double photons_bytes(const struct render *r, const struct render_photon_c
 }
 
 static double record_copies(const struct render *r) {
-    return r->options.adaptive_cache ? ADAPTIVE_RECORDS : 1.0;
+    return r->options.adaptive_cache && r->options.time == 0.0 ? ADAPTIVE_RECORDS : 1.0;
 }
 
 static double photons_most(const struct render *r) {

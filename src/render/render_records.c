@@ -171,11 +171,6 @@ static satin_status cover_levels(struct record_rounds *rounds, struct render_fac
     return status;
 }
 
-static void limit_radii(struct render *r, struct render_factors factor) {
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-        fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(factor.of[k]));
-}
-
 // Sets the factors of a at which the image reads the records.
 static void read_at(struct render *r, struct render_factors factor) {
     struct cache_reader *reader = &r->second_pass.shade.records;
@@ -194,15 +189,6 @@ static struct render_factors widen(const struct render *r, struct render_factors
     return finished;
 }
 
-// Adapts the records of a finished round after the first one, whose records have too few rays.
-static satin_status adapt_round(const struct record_rounds *rounds, struct render_factors factor) {
-    struct render *r = rounds->r;
-    if (!rounds->finer || !r->options.adaptive_cache) return SATIN_OK;
-    limit_radii(r, factor);
-    render_limit_adaptive_cache(r);
-    return render_limit_end(r, render_adaptive_cache(r, factor));
-}
-
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy of a
 // finished round.
 static satin_status cover_in_rounds(struct record_rounds *rounds) {
@@ -215,7 +201,8 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
     const double start = stats_wall();
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         const struct render_factors factor = render_budget_round(&r->options, i);
-        limit_radii(r, factor);
+        for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+            fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(factor.of[k]));
         status = cover_levels(rounds, factor, i == 0, (double)i / count, 1.0 / count);
         if (!render_has_stage(r, STAGE_RECORDS) || !render_time_remains(r)) break;
         finished = factor;
@@ -234,7 +221,7 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
     }
     status = render_limit_end(r, status);
     read_at(r, widen(r, finished));
-    return status == SATIN_OK ? adapt_round(rounds, finished) : status;
+    return status;
 }
 
 // Few records are smoothed. Later rounds have so many that it costs more detail than noise.
@@ -255,7 +242,7 @@ satin_status render_records(struct render *r) {
         status = cover_levels(&rounds, (struct render_factors){{1.0f, 1.0f}}, false, 0.0, 1.0);
     render_sites_free(&rounds.sites);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
-        status = render_adaptive_cache(r, (struct render_factors){{1.0f, 1.0f}});
+        status = render_adaptive_cache(r);
     if (r->motion.at_rest)
         stats_set(&r->stats, "frame.records",
                   count_records(r) - stats_get(&r->stats, "frame.records_kept"));

@@ -445,9 +445,9 @@ satin_status render_find_sites(struct render *r, uint32_t view, const uint32_t *
 void render_sites_free(struct render_sites *sites);
 
 // ---- render_adaptive_cache.c
-// Adapts the records, which cover the image at these factors of a, to the points that are seen [K05
-// 6.3], for reading them as the image does.
-satin_status render_adaptive_cache(struct render *r, struct render_factors factor);
+// Adapts the records to the points that are seen [K05 6.3], for reading them at the accuracies of
+// the options.
+satin_status render_adaptive_cache(struct render *r);
 
 // ---- render_coarse.c
 // If the render was cancelled before the image had its first samples, gives it coarse ones within a

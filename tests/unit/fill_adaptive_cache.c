@@ -112,7 +112,7 @@ static bool adaptation_stops(void *user, double done) {
     return --*(int *)user < 0;
 }
 
-// Stopped anywhere, as by a time limit, it leaves a record at every point that had one. *whole says
+// Stopped anywhere, it leaves a record at every point that had one. *whole says
 // whether it came to its end.
 static void stop_adaptation(int chunks, bool *whole) {
     struct fill_case f;
