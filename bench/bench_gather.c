@@ -187,17 +187,17 @@ WRAP_VOID(CLUSTERS, gather_near_probe,
            struct gather_near *near),
           (g, hits, count, near))
 WRAP_VOID(PROJECTION, gather_hemisphere_irradiance,
-          (const struct gather *g, const struct gather_hemisphere *hemisphere,
+          (const struct gather_hemisphere *hemisphere, satin_gradients gradients,
            struct cache_irradiance_value *out),
-          (g, hemisphere, out))
+          (hemisphere, gradients, out))
 WRAP_VOID(PROJECTION, gather_hemisphere_radiance,
-          (const struct gather *g, const struct gather_hemisphere *hemisphere,
+          (const struct gather_hemisphere *hemisphere, satin_gradients gradients,
            struct gather_radiance *out),
-          (g, hemisphere, out))
+          (hemisphere, gradients, out))
 WRAP_VOID(PROJECTION, gather_surroundings_make,
-          (const struct gather_hemisphere *hemisphere, bool hessian,
+          (const struct gather_hemisphere *hemisphere, satin_gradients gradients, bool hessian,
            struct gather_surroundings *out),
-          (hemisphere, hessian, out))
+          (hemisphere, gradients, hessian, out))
 WRAP(INTERACTION, bool, scene_intersect,
      (const struct satin_scene *scene, const struct ray *ray, struct interaction *out),
      (scene, ray, out))

@@ -29,18 +29,20 @@ static void put_irradiance(const struct cache *cache, size_t i, float *out) {
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_t[c]);
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_r[c]);
     *out++ = record->deviation;
+    *out++ = record->gradient_deviation;
     *out++ = record->radius_ratio;
     memcpy(out, &v->rays, sizeof v->rays);
 }
 
 static bool get_irradiance(struct cache *cache, const struct cache_head *head, const float *in) {
-    struct cache_irradiance_record r = {.deviation = in[21], .radius_ratio = in[22]};
+    struct cache_irradiance_record r = {
+        .deviation = in[21], .gradient_deviation = in[22], .radius_ratio = in[23]};
     r.value.E = rgb_make(in[0], in[1], in[2]);
     for (int c = 0; c < 3; c++) {
         r.value.grad_t[c] = v3(in[3 + 3 * c], in[4 + 3 * c], in[5 + 3 * c]);
         r.value.grad_r[c] = v3(in[12 + 3 * c], in[13 + 3 * c], in[14 + 3 * c]);
     }
-    memcpy(&r.value.rays, &in[23], sizeof r.value.rays);
+    memcpy(&r.value.rays, &in[24], sizeof r.value.rays);
     return cache_insert_irradiance(cache, head, &r);
 }
 

@@ -8,7 +8,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files have the byte order of memory");
 
-enum { CACHE_FILE_VERSION = 3 };
+enum { CACHE_FILE_VERSION = 4 };
 
 enum cache_section {
     SECTION_OPTIONS = 0,
@@ -45,7 +45,7 @@ struct cache_file_header {
 // The words of a row; those between semicolons, or after one, are integers.
 enum {
     HEAD_WORDS = 24,        // p R, n search_radius, anisotropy scale, u clear; sector: bytes
-    IRRADIANCE_WORDS = 24,  // E, dE/dp r g b, rotation r g b, deviation, radius_ratio; rays
+    IRRADIANCE_WORDS = 25,  // E, dE/dp r g b, rotation r g b, deviations, radius_ratio; rays
     RADIANCE_WORDS = 18,    // frame u v n, radius_ratio, residual mirror L; rays, lobe number; then
     COEFFICIENT_WORDS = 10  // for each coefficient: Lambda r g b noise, d/dx r g b, d/dy r g b
 };

@@ -71,10 +71,10 @@ static satin_status check_heads(const struct cache_file *f, const char *name, st
 
 static bool is_irradiance(const float *row, uint32_t order) {
     (void)order;
-    const float deviation = row[21], radius_ratio = row[22];
+    const float deviation = row[21], of_gradient = row[22], radius_ratio = row[23];
     return cache_valid_numbers(row, IRRADIANCE_WORDS - 1) &&
            fminf(row[0], fminf(row[1], row[2])) >= 0.0f && deviation >= 0.0f &&
-           radius_ratio >= 0.0f && radius_ratio <= 1.0f;
+           of_gradient >= 0.0f && radius_ratio >= 0.0f && radius_ratio <= 1.0f;
 }
 
 static bool is_radiance(const float *row, uint32_t order) {

@@ -187,7 +187,8 @@ float cache_irradiance_reflected(const struct cache *cache, uint32_t record,
                                  const struct cache_surface *surface, float *noise) {
     const struct cache_taylor t = cache_taylor_irradiance(cache, record, at, a);
     const float Y = rgb_luminance(rgb_mul(surface->diffuse, cache_taylor_value(&t)));
-    *noise = cache->store[CACHE_IRRADIANCE].irradiance[record].deviation * Y;
+    const struct cache_irradiance_record *r = &cache->store[CACHE_IRRADIANCE].irradiance[record];
+    *noise = Y * hypotf(r->deviation, r->gradient_deviation * v3_len(t.offset));
     return Y;
 }
 

@@ -21,8 +21,9 @@ struct cache_irradiance_value {
 
 struct cache_irradiance_record {
     struct cache_irradiance_value value;
-    float deviation;     // standard deviation of E over E
-    float radius_ratio;  // R as it should be over R; below 1 where the least radius is larger
+    float deviation;           // standard deviation of E over E
+    float gradient_deviation;  // that of the translation gradient in any direction, over E
+    float radius_ratio;        // R as it should be over R; below 1 where the least radius is larger
 };
 
 // The value of a radiance record has the layout for products with a BRDF: CACHE_LANES floats for

@@ -37,8 +37,9 @@ static float average_deviation(const struct cache_irradiance_value *a, float dev
 
 static void find_surroundings(const struct fill_making *m, struct fill_member *member,
                               const struct gather_hemisphere *hemisphere) {
-    const bool hessian = m->store->options.radius == SATIN_RADIUS_HESSIAN;
-    gather_surroundings_make(hemisphere, hessian, &member->found.around);
+    const struct cache_options *o = &m->store->options;
+    gather_surroundings_make(hemisphere, o->gradients, o->radius == SATIN_RADIUS_HESSIAN,
+                             &member->found.around);
 }
 
 // The light that the site reflects to the eye and that the harmonics leave out.
@@ -113,15 +114,18 @@ static void add_irradiance_rays(const struct fill_making *m, struct fill_member 
                                 const struct gather_site *site, const struct gather_worker *w) {
     if (!(member->found.around.deviation > UNSURE)) return;
     const struct cache_irradiance_value first = member->found.irradiance;
-    const float deviation = member->found.around.deviation;
+    const float deviation = member->found.around.deviation,
+                of_gradient = member->found.around.gradient_deviation;
     struct gather_site again = *site;
     again.stream = rng_mix(site->stream ^ RNG_GOLDEN);
     gather_hemisphere_trace(m->fill->g, m->fill->side[m->kind].whole, &again, w->scratch,
                             w->hemisphere);
     find_irradiance(m, member, w->hemisphere);
     struct cache_irradiance_value *second = &member->found.irradiance;
-    member->found.around.deviation =
-        average_deviation(&first, deviation, second, member->found.around.deviation);
+    struct gather_surroundings *around = &member->found.around;
+    around->deviation = average_deviation(&first, deviation, second, around->deviation);
+    around->gradient_deviation =
+        average_deviation(&first, of_gradient, second, around->gradient_deviation);
     *second = average_values(&first, second);
 }
 
@@ -171,8 +175,9 @@ static bool insert_irradiance(const struct fill_making *m, struct fill_member *m
     struct fill_extent x = member->found.extent;
     clamp_extent(m, member->site, &x);
     const struct cache_head head = make_head(m, member, &x);
-    const struct cache_irradiance_record record = {member->found.irradiance,
-                                                   member->found.around.deviation, x.radius_ratio};
+    const struct cache_irradiance_record record = {
+        member->found.irradiance, member->found.around.deviation,
+        member->found.around.gradient_deviation, x.radius_ratio};
     return cache_insert_irradiance(m->cache, &head, &record);
 }
 

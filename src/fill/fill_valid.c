@@ -10,6 +10,7 @@ static bool valid_around(const struct gather_surroundings *around) {
     for (int s = 0; s < CACHE_SECTORS; s++)
         if (!(around->sector[s] >= 0.0f)) return false;
     return around->deviation >= 0.0f && isfinite(around->deviation) &&
+           around->gradient_deviation >= 0.0f && isfinite(around->gradient_deviation) &&
            cache_valid_numbers(around->hessian, 3);
 }
 

@@ -374,7 +374,8 @@ struct gather_surroundings {
     float least_upright;  // least hit distance without rays at grazing angles to both surfaces
     float sector[CACHE_SECTORS];  // distances along the tangent plane, by azimuth
     float deviation;              // standard deviation of E, as a fraction of E [K05 6.4]
-    float hessian[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame, if requested
+    float gradient_deviation;  // that of dE/dp in any direction, over E; 0: there are no gradients
+    float hessian[3];          // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame, if requested
 };
 
 // Computes irradiance from a hemisphere of a cosine-weighted layout. Without gradients, those by
@@ -388,8 +389,9 @@ void gather_hemisphere_radiance(const struct gather_hemisphere *hemisphere,
 // rays of a hemisphere of a uniform layout.
 rgb gather_hemisphere_reflected(const struct gather_hemisphere *hemisphere, const struct brdf *brdf,
                                 vec3 wo, unsigned lobes);
-// Computes *out. `hessian` requests the Hessian, which needs a cosine-weighted layout.
-void gather_surroundings_make(const struct gather_hemisphere *hemisphere, bool hessian,
-                              struct gather_surroundings *out);
+// Computes *out. The deviation of these gradients and the Hessian, which `hessian` requests, are
+// those of irradiance, and need a cosine-weighted layout.
+void gather_surroundings_make(const struct gather_hemisphere *hemisphere, satin_gradients gradients,
+                              bool hessian, struct gather_surroundings *out);
 
 #endif

@@ -17,6 +17,9 @@ static inline void gather_gradient_add(vec3 grad[3], rgb change, vec3 direction)
 // boundaries between strata. Adds to `grad`, one vector per channel.
 void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
                                   vec3 grad[3]);
+// The variance of the luminance of the former in any direction, as the strata are sampled by
+// chance.
+float gather_stratified_variance(const struct gather_hemisphere *h);
 // Adds stratified gradients to dx and dy, [3 * order^2].
 void gather_stratified_radiance(const struct gather_hemisphere *h, float *dx, float *dy);
 
@@ -27,5 +30,7 @@ void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool diffe
                                    size_t first, vec3 grad[3]);
 void gather_solid_angle_radiance(const struct gather_hemisphere *h, bool differences, size_t first,
                                  float *dx, float *dy);
+// The variance of the luminance of the former in any direction.
+float gather_solid_angle_variance(const struct gather_hemisphere *h, size_t first);
 
 #endif

@@ -56,6 +56,12 @@ static float cosine_difference(const struct ray_hit *at, vec3 axis) {
     return change / (2.0f * DIFFERENCE_STEP * at->r);
 }
 
+// The change of cos(theta) Omega of a ray, over it.
+static vec3 cosine_change(const struct ray_hit *at) {
+    const vec3 change = v3_mul(v3_mad(v3_mul(at->n, 1.0f / at->c), 4.0f, at->w), 1.0f / at->r);
+    return v3(change.x, change.y, 0.0f);
+}
+
 // Rays are distributed in proportion to the cosine, so cos(theta) Omega of each is pi / count [K05
 // 4.2.3].
 void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool differences,
@@ -70,14 +76,25 @@ void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool diffe
             change =
                 v3(cosine_difference(&at, v3(1, 0, 0)), cosine_difference(&at, v3(0, 1, 0)), 0.0f);
         } else {
-            change = v3_mul(v3_mad(v3_mul(at.n, 1.0f / at.c), 4.0f, at.w), 1.0f / at.r);
-            change.z = 0.0f;
+            change = cosine_change(&at);
         }
         const rgb L = rgb_scale(h->L[i], weight);
         grad[0] = v3_mad(grad[0], L.r, change);
         grad[1] = v3_mad(grad[1], L.g, change);
         grad[2] = v3_mad(grad[2], L.b, change);
     }
+}
+
+// As if each ray was there by chance, independently of the others.
+float gather_solid_angle_variance(const struct gather_hemisphere *h, size_t first) {
+    const float weight = PI_F / (float)h->stratified;
+    float both = 0.0f;
+    for (size_t i = first; i < h->count; i++) {
+        struct ray_hit at;
+        if (ray_hit_of(h, i, &at))
+            both += sqrf(weight * rgb_luminance(h->L[i])) * v3_len2(cosine_change(&at));
+    }
+    return 0.5f * both;
 }
 
 // The derivatives of Omega H, over Omega, by x and y for one ray [K05 (4.3)-(4.8)].

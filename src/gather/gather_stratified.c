@@ -24,15 +24,19 @@ static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) 
     return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(offset);
 }
 
-// (L_jk - L_neighbour) / r: the rate at which light crosses the boundary between the strata of two
-// rays. r is the distance of the surface that it sweeps over: that of the nearer side if it hides
-// the other one, or if `nearer`.
-static rgb boundary_change(const struct gather_hemisphere *h, int ray, int neighbour, bool nearer) {
+// 1 / r for the boundary between the strata of two rays. r is the distance of the surface that it
+// sweeps over: that of the nearer side if it hides the other one, or if `nearer`.
+static float boundary_rate(const struct gather_hemisphere *h, int ray, int neighbour, bool nearer) {
     const struct gather_ray *a = &h->ray[ray], *b = &h->ray[neighbour];
     float r = fminf(a->first.r, b->first.r), far = fmaxf(a->first.r, b->first.r);
-    if (!isfinite(r) || !(r > 0.0f)) return rgb_grey(0.0f);
+    if (!isfinite(r) || !(r > 0.0f)) return 0.0f;
     if (!nearer && isfinite(far) && one_surface(a, b)) r = 0.5f * (r + far);
-    return rgb_scale(rgb_sub(h->L[ray], h->L[neighbour]), 1.0f / r);
+    return 1.0f / r;
+}
+
+// (L_jk - L_neighbour) / r: the rate at which light crosses that boundary.
+static rgb boundary_change(const struct gather_hemisphere *h, int ray, int neighbour, bool nearer) {
+    return rgb_scale(rgb_sub(h->L[ray], h->L[neighbour]), boundary_rate(h, ray, neighbour, nearer));
 }
 
 void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
@@ -53,6 +57,44 @@ void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_h
         gather_gradient_add(grad, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
         gather_gradient_add(grad, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
     }
+}
+
+// What the light of a stratum adds to the gradient, by x and y, and how it differs from that of its
+// neighbours: the sum of squares over `neighbours`.
+struct stratum_noise {
+    float x, y, square, neighbours;
+};
+
+// Adds the boundary between the strata of two rays, of this weight and direction.
+static void add_boundary(const struct gather_hemisphere *h, int ray, int neighbour, float weight,
+                         float x, float y, struct stratum_noise *noise) {
+    const float rate = weight * boundary_rate(h, ray, neighbour, false);
+    const float step = rgb_luminance(rgb_sub(h->L[ray], h->L[neighbour])), square = step * step;
+    struct stratum_noise *a = &noise[ray], *b = &noise[neighbour];
+    *a = (struct stratum_noise){a->x + rate * x, a->y + rate * y, a->square + square,
+                                a->neighbours + 1.0f};
+    *b = (struct stratum_noise){b->x - rate * x, b->y - rate * y, b->square + square,
+                                b->neighbours + 1.0f};
+}
+
+// Neighbouring strata of the same mean and variance differ by twice that variance.
+float gather_stratified_variance(const struct gather_hemisphere *h) {
+    const struct gather_layout *l = h->layout;
+    struct stratum_noise *noise = (struct stratum_noise *)(void *)h->work;
+    memset(noise, 0, h->stratified * sizeof *noise);
+    for (int k = 0; k < l->N; k++)
+        for (int j = 0; j < l->M; j++) {
+            const int row = j * l->N, i = row + k, before = row + (k ? k - 1 : l->N - 1);
+            if (j > 0)
+                add_boundary(h, i, i - l->N, l->boundary_u[j], l->cos_k[k], l->sin_k[k], noise);
+            add_boundary(h, i, before, l->boundary_h[j], -l->sin_w[k], l->cos_w[k], noise);
+        }
+    float both = 0.0f;  // of the components x and y
+    for (size_t i = 0; i < h->stratified; i++) {
+        const struct stratum_noise *s = &noise[i];
+        both += 0.5f * s->square / s->neighbours * (s->x * s->x + s->y * s->y);
+    }
+    return 0.5f * both;
 }
 
 // Adds to the gradient vectors dx, dy the change through one kind of boundary in row j: the sums

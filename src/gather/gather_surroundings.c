@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the rays of a hemisphere show of the surroundings of a record: distances, from which its
-// radius R follows; the noise of E; and the Hessian of E. This is the occlusion Hessian of
-// Schwarzhaupt et al. [2012], formulated for the strata of the stratified hemisphere: the boundary
-// between two strata is at the nearer of their hits, where an occluder's edge would be, so E is a
-// sum of polygons under the cosine law. The second derivative of the edge of such a polygon is a
-// constant of the boundary over the squared distance.
-#include "gather/gather_layout.h"
+// radius R follows; the noise of E and of its gradient; and the Hessian of E. This is the occlusion
+// Hessian of Schwarzhaupt et al. [2012], formulated for the strata of the stratified hemisphere:
+// the boundary between two strata is at the nearer of their hits, where an occluder's edge would
+// be, so E is a sum of polygons under the cosine law. The second derivative of the edge of such a
+// polygon is a constant of the boundary over the squared distance.
+#include "gather/gather_gradients.h"
 
 // The least cosine, at both ends, of rays that show near geometry [Tabellion and Lamorlette 2004].
 static const float RAY_GRAZING = 0.2f;
@@ -74,6 +74,19 @@ static float deviation(const struct gather_hemisphere *h) {
     return subsets > 1 ? (float)sqrt(square / (subsets * (subsets - 1))) : 0.0f;
 }
 
+// The standard deviation of the gradient of E over E.
+static float gradient_deviation(const struct gather_hemisphere *h, satin_gradients kind) {
+    float E = 0.0f, variance = 0.0f;
+    for (size_t i = 0; i < h->count; i++) E += rgb_luminance(h->L[i]);
+    E *= PI_F / (float)h->stratified;
+    if (!(E > 0.0f) || kind == SATIN_GRADIENTS_NONE) return 0.0f;
+    if (kind == SATIN_GRADIENTS_SOLID_ANGLE || kind == SATIN_GRADIENTS_DIFFERENCES)
+        variance = gather_solid_angle_variance(h, 0);
+    else
+        variance = gather_stratified_variance(h) + gather_solid_angle_variance(h, h->stratified);
+    return sqrtf(variance) / E;
+}
+
 // Adds the constant of a boundary, rotated from azimuth 0 to that of (cosine, sine), times
 // `weight`.
 static void add_rotated(const float constant[3], float cosine, float sine, float weight,
@@ -125,15 +138,17 @@ static void add_point(const struct gather_hemisphere *h, size_t i, float weight,
     out[2] += value * (gy * gy - n.y * n.y / (c * c) + 8.0f * w.y * w.y - 4.0f);
 }
 
-void gather_surroundings_make(const struct gather_hemisphere *h, bool hessian,
-                              struct gather_surroundings *out) {
+void gather_surroundings_make(const struct gather_hemisphere *h, satin_gradients gradients,
+                              bool hessian, struct gather_surroundings *out) {
     *out = (struct gather_surroundings){.harmonic = INFINITY, .least = INFINITY};
     out->least_upright = INFINITY;
     for (int s = 0; s < CACHE_SECTORS; s++) out->sector[s] = INFINITY;
     distances(h, out);
     sectors(h, out);
     out->deviation = deviation(h);
-    if (!hessian || h->layout->order) return;
+    if (h->layout->order) return;
+    out->gradient_deviation = gradient_deviation(h, gradients);
+    if (!hessian) return;
     add_boundaries(h, out->hessian);
     for (size_t i = h->stratified; i < h->count; i++)
         add_point(h, i, PI_F / (float)h->stratified, out->hessian);

@@ -84,6 +84,7 @@ static void cache_file_make(struct cache_file_fixture *f) {
         for (int k = 0; k < 3; k++) e->value.grad_r[k] = cache_file_draw(&rng);
         e->value.rays = 100 + i;
         e->deviation = rng_float(&rng);
+        e->gradient_deviation = rng_float(&rng);
         e->radius_ratio = rng_float(&rng);
         struct cache_head h = head(&rng);
         assert_true(cache_tree_insert(&c->store[CACHE_IRRADIANCE].tree, &h));
@@ -257,6 +258,7 @@ static void values_that_are_not_finite_are_refused(void **state) {
     refuse_value(&f, &E->value.grad_t[2].y, INFINITY);
     refuse_value(&f, &E->value.grad_r[1].x, NAN);
     refuse_value(&f, &E->deviation, -1.0f);
+    refuse_value(&f, &E->gradient_deviation, -1.0f);
     refuse_value(&f, &E->radius_ratio, 1.5f);
     struct cache_radiance_record *Lambda = &f.cache.store[CACHE_RADIANCE].radiance[7];
     refuse_value(&f, &Lambda->radius_ratio, NAN);

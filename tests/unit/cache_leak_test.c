@@ -43,7 +43,7 @@ static void cache_leak_start(struct cache_leak_fixture *f, float least) {
     struct gather_surroundings around;
     gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
     gather_hemisphere_irradiance(worker->hemisphere, f->g.options->irradiance_gradients, &value);
-    gather_surroundings_make(worker->hemisphere, false, &around);
+    gather_surroundings_make(worker->hemisphere, SATIN_GRADIENTS_STRATIFIED, false, &around);
     f->head = (struct cache_head){
         .p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .search_radius = 2.0f, .scale = 1.0f};
     f->head.clear = fill_find_sectors(&around, f->head.search_radius, least, f->head.sector);

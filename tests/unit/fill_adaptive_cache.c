@@ -186,6 +186,47 @@ static void no_record_is_read_untested(void **state) {
     fill_case_free(&f);
 }
 
+// Gives records on an evenly lit floor gradients of noise, a third of E over the largest distance
+// at which they are read. Returns how many are shrunk if they know of it, or do not.
+static uint64_t shrunk_by_noise(bool known) {
+    struct fill_case f;
+    struct rng rng = rng_make(1, RNG_SITE, 0);
+    fill_case_begin(&f);
+    test_rectangle(&f.scene, mat4_scale(v3(3, 3, 1)), test_diffuse(&f.scene, 0.8f, 0.8f, 0.8f));
+    f.options.leak_test = false;
+    fill_case_finish(
+        &f, 0, 1, v3(0, 0, 0), v3(0.5f, 0, 0), v3(0, 0.5f, 0),
+        (struct fill_site){.pixel = CACHE_ADAPTIVE_PIXEL, .kinds = 1 << CACHE_IRRADIANCE});
+    fill_adaptive_shade(&f, 0.0f);
+    for (int i = 0; i < FILL_CASE_SITES; i += 7) {
+        const struct cache_head head = {.p = f.site[i].p,
+                                        .R = 0.6f,
+                                        .n = f.site[i].frame.n,
+                                        .search_radius = 0.6f,
+                                        .scale = 1.0f,
+                                        .u = f.site[i].frame.u};
+        struct cache_irradiance_record record = {.value = {.E = rgb_grey(1.0f), .rays = 100},
+                                                 .gradient_deviation = known ? 1.1f : 0.0f,
+                                                 .radius_ratio = 1.0f};
+        const float angle = 2.0f * PI_F * rng_float(&rng);
+        for (int c = 0; c < 3; c++)
+            record.value.grad_t[c] = v3(1.1f * cosf(angle), 1.1f * sinf(angle), 0.0f);
+        assert_true(cache_insert_irradiance(f.cache, &head, &record));
+    }
+    const struct fill_sites sites = {
+        .site = f.site, .count = FILL_CASE_SITES, .a = 0.25f, .factor_max = 2.0f, .spacing = 1.5f};
+    assert_int_equal(fill_adapt(f.fill, CACHE_IRRADIANCE, &sites, 0.5f), SATIN_OK);
+    const uint64_t shrunk = f.fill->adapted.shrunk;
+    fill_case_free(&f);
+    return shrunk;
+}
+
+static void noise_of_gradients_shrinks_no_record(void **state) {
+    (void)state;
+    assert_int_equal(shrunk_by_noise(true), 0);
+    assert_true(shrunk_by_noise(false) > 10);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_are_added_where_they_disagree),
@@ -193,6 +234,7 @@ int main(void) {
         cmocka_unit_test(direct_light_hides_differences),
         cmocka_unit_test(threads_do_not_change_adapted_records),
         cmocka_unit_test(a_stop_leaves_no_gaps),
+        cmocka_unit_test(noise_of_gradients_shrinks_no_record),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

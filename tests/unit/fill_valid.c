@@ -41,6 +41,7 @@ static void irradiance_is_checked(void **state) {
     irradiance_refuses(&value, &around, &value.grad_r[0].x, 9);
     irradiance_refuses(&value, &around, around.hessian, 3);
     irradiance_refuses(&value, &around, &around.deviation, 1);
+    irradiance_refuses(&value, &around, &around.gradient_deviation, 1);
     value.E.g = -1e-6f;
     assert_false(fill_valid_irradiance(&value, &around));
     value.E.g = 0.0f;
