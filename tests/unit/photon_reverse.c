@@ -103,6 +103,32 @@ static void noise_falls_with_the_batches(void **state) {
     test_scene_free(&t);
 }
 
+// Builds a map of the photons of all batches of these options. *out is the number of photons.
+static void build_one_map(const struct test_scene *t, const satin_options *o, int batches,
+                          struct parallel *pool, struct photon_map *map, size_t *out) {
+    struct guide_allocation allocation;
+    guide_allocation_make(&t->scene, o->seed, render_budget_paths(o, 0.0).seen, pool, &allocation);
+    struct photon_hit *hit = NULL;
+    size_t count = 0;
+    for (int b = 0; b < batches; b++) {
+        const struct photon_tracing tracing = {
+            .scene = &t->scene,
+            .seed = b ? rng_mix(o->seed + RNG_GOLDEN * (uint64_t)b) : o->seed,
+            .consumer = {{.paths = BATCH, .classes = 7, .allocation = &allocation}},
+            .bounces = -1};
+        struct photon_trace trace[PHOTON_CONSUMERS];
+        assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
+        hit = realloc(hit, (count + trace->count) * sizeof *hit);
+        assert_non_null(hit);
+        memcpy(hit + count, trace->hit, trace->count * sizeof *hit);
+        count += trace->count;
+        photon_trace_free(trace);
+    }
+    assert_int_equal(photon_map_build(&t->scene, hit, count, pool, (struct log){0}, map), SATIN_OK);
+    free(hit);
+    *out = count;
+}
+
 // The photons of all batches in one map, searched in the discs of the entries, give the same sums;
 // edges and corners included.
 static void the_sums_are_those_of_one_map(void **state) {
@@ -115,26 +141,9 @@ static void the_sums_are_those_of_one_map(void **state) {
     struct stats stats = {0};
     struct photon_maps *maps = build(&t, &o, 2, &stats);
     struct parallel *pool = parallel_new(2);
-    struct guide_allocation allocation;
-    guide_allocation_make(&t.scene, o.seed, render_budget_paths(&o, 0.0).seen, pool, &allocation);
-    struct photon_hit *hit = NULL;
-    size_t count = 0;
-    for (uint64_t b = 0; b < BATCHES; b++) {
-        const struct photon_tracing tracing = {
-            .scene = &t.scene,
-            .seed = b ? rng_mix(o.seed + RNG_GOLDEN * b) : o.seed,
-            .consumer = {{.paths = BATCH, .classes = 7, .allocation = &allocation}},
-            .bounces = -1};
-        struct photon_trace trace[PHOTON_CONSUMERS];
-        assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
-        hit = realloc(hit, (count + trace->count) * sizeof *hit);
-        assert_non_null(hit);
-        memcpy(hit + count, trace->hit, trace->count * sizeof *hit);
-        count += trace->count;
-        photon_trace_free(trace);
-    }
     struct photon_map map;
-    assert_int_equal(photon_map_build(&t.scene, hit, count, pool, (struct log){0}, &map), SATIN_OK);
+    size_t count;
+    build_one_map(&t, &o, BATCHES, pool, &map, &count);
     const struct photon_irradiance *r = &maps->irradiance;
     int *row = malloc(count * sizeof *row);
     float *distance2 = malloc(count * sizeof *distance2);
@@ -166,7 +175,6 @@ static void the_sums_are_those_of_one_map(void **state) {
     assert_true(fabs(sum / sum_of_batches - 1.0) < 0.007 && corrected > 50);
     free(row);
     free(distance2);
-    free(hit);
     photon_map_free(&map);
     photon_maps_free(maps);
     parallel_free(pool);
