@@ -24,19 +24,15 @@ static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) 
     return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(offset);
 }
 
-// 1 / r for the boundary between the strata of two rays. r is the distance of the surface that it
-// sweeps over: that of the nearer side if it hides the other one, or if `nearer`.
-static float boundary_rate(const struct gather_hemisphere *h, int ray, int neighbour, bool nearer) {
+// (L_jk - L_neighbour) / r: the rate at which light crosses the boundary between the strata of two
+// rays. r is the distance of the surface that it sweeps over: that of the nearer side if it hides
+// the other one, or if `nearer`.
+static rgb boundary_change(const struct gather_hemisphere *h, int ray, int neighbour, bool nearer) {
     const struct gather_ray *a = &h->ray[ray], *b = &h->ray[neighbour];
     float r = fminf(a->first.r, b->first.r), far = fmaxf(a->first.r, b->first.r);
-    if (!isfinite(r) || !(r > 0.0f)) return 0.0f;
+    if (!isfinite(r) || !(r > 0.0f)) return rgb_grey(0.0f);
     if (!nearer && isfinite(far) && one_surface(a, b)) r = 0.5f * (r + far);
-    return 1.0f / r;
-}
-
-// (L_jk - L_neighbour) / r: the rate at which light crosses that boundary.
-static rgb boundary_change(const struct gather_hemisphere *h, int ray, int neighbour, bool nearer) {
-    return rgb_scale(rgb_sub(h->L[ray], h->L[neighbour]), boundary_rate(h, ray, neighbour, nearer));
+    return rgb_scale(rgb_sub(h->L[ray], h->L[neighbour]), 1.0f / r);
 }
 
 void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
@@ -59,41 +55,55 @@ void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_h
     }
 }
 
-// What the light of a stratum adds to the gradient, by x and y, and how it differs from that of its
-// neighbours: the sum of squares over `neighbours`.
-struct stratum_noise {
-    float x, y, square, neighbours;
+// What the sample of a stratum shows: luminance, and the inverse of the distance.
+struct stratum {
+    float Y, inverse;
 };
 
-// Adds the boundary between the strata of two rays, of this weight and direction.
-static void add_boundary(const struct gather_hemisphere *h, int ray, int neighbour, float weight,
-                         float x, float y, struct stratum_noise *noise) {
-    const float rate = weight * boundary_rate(h, ray, neighbour, false);
-    const float step = rgb_luminance(rgb_sub(h->L[ray], h->L[neighbour])), square = step * step;
-    struct stratum_noise *a = &noise[ray], *b = &noise[neighbour];
-    *a = (struct stratum_noise){a->x + rate * x, a->y + rate * y, a->square + square,
-                                a->neighbours + 1.0f};
-    *b = (struct stratum_noise){b->x - rate * x, b->y - rate * y, b->square + square,
-                                b->neighbours + 1.0f};
+// The change of luminance across the boundary from stratum a to b, over the nearer distance.
+static float step_across(struct stratum a, struct stratum b) {
+    return (b.Y - a.Y) * fmaxf(a.inverse, b.inverse);
 }
 
-// Neighbouring strata of the same mean and variance differ by twice that variance.
+// The squared change of the gradient if the sample of stratum (j, k) were that of `other`.
+static float change_by(const struct gather_layout *l, const struct stratum *all, int j, int k,
+                       struct stratum other) {
+    const int row = j * l->N, before = k ? k - 1 : l->N - 1, after = k + 1 < l->N ? k + 1 : 0;
+    const struct stratum here = all[row + k], left = all[row + before], right = all[row + after];
+    const float v = l->boundary_h[j] * (step_across(left, other) - step_across(left, here)),
+                w = l->boundary_h[j] * (step_across(other, right) - step_across(here, right));
+    float u = 0.0f;
+    if (j > 0) {
+        const struct stratum above = all[row + k - l->N];
+        u += l->boundary_u[j] * (step_across(above, other) - step_across(above, here));
+    }
+    if (j + 1 < l->M) {
+        const struct stratum below = all[row + k + l->N];
+        u += l->boundary_u[j + 1] * (step_across(other, below) - step_across(here, below));
+    }
+    return sqrf(u * l->cos_k[k] - v * l->sin_w[k] - w * l->sin_w[after]) +
+           sqrf(u * l->sin_k[k] + v * l->cos_w[k] + w * l->cos_w[after]);
+}
+
+// Each stratum might have been sampled as one of its neighbours was: two samples of one variance
+// differ by twice that. The distance is exchanged with the light, as both change at an edge.
 float gather_stratified_variance(const struct gather_hemisphere *h) {
     const struct gather_layout *l = h->layout;
-    struct stratum_noise *noise = (struct stratum_noise *)(void *)h->work;
-    memset(noise, 0, h->stratified * sizeof *noise);
-    for (int k = 0; k < l->N; k++)
-        for (int j = 0; j < l->M; j++) {
-            const int row = j * l->N, i = row + k, before = row + (k ? k - 1 : l->N - 1);
-            if (j > 0)
-                add_boundary(h, i, i - l->N, l->boundary_u[j], l->cos_k[k], l->sin_k[k], noise);
-            add_boundary(h, i, before, l->boundary_h[j], -l->sin_w[k], l->cos_w[k], noise);
-        }
+    struct stratum *all = (struct stratum *)(void *)h->work;
+    for (size_t i = 0; i < h->stratified; i++)
+        all[i] = (struct stratum){rgb_luminance(h->L[i]),
+                                  h->ray[i].first.r > 0.0f ? 1.0f / h->ray[i].first.r : 0.0f};
     float both = 0.0f;  // of the components x and y
-    for (size_t i = 0; i < h->stratified; i++) {
-        const struct stratum_noise *s = &noise[i];
-        both += 0.5f * s->square / s->neighbours * (s->x * s->x + s->y * s->y);
-    }
+    for (int j = 0; j < l->M; j++)
+        for (int k = 0; k < l->N; k++) {
+            const int row = j * l->N, before = k ? k - 1 : l->N - 1,
+                      after = k + 1 < l->N ? k + 1 : 0;
+            float sum = change_by(l, all, j, k, all[row + before]) +
+                        change_by(l, all, j, k, all[row + after]);
+            if (j > 0) sum += change_by(l, all, j, k, all[row + k - l->N]);
+            if (j + 1 < l->M) sum += change_by(l, all, j, k, all[row + k + l->N]);
+            both += 0.5f * sum / (float)(2 + (j > 0) + (j + 1 < l->M));
+        }
     return 0.5f * both;
 }
 
