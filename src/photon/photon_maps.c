@@ -181,8 +181,9 @@ static satin_status find_noise(const struct photon_pass *pass, struct photon_map
     if (pass->options->integrator != SATIN_TWO_PASS) return SATIN_OK;
     const satin_status status = photon_noise_find(pass->scene, pass->pool, maps);
     const double all = (double)pass->reverse.paths;
-    if (status != SATIN_OK)
+    if (status == SATIN_ERROR_MEMORY)
         return log_fail(pass->log, status, "not enough memory for the noise of photons");
+    if (status != SATIN_OK) return status;
     if (all > 0.0) maps->noise2 *= (float)((double)photon_reverse_paths(&pass->reverse, 0) / all);
     return SATIN_OK;
 }

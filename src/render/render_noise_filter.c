@@ -19,6 +19,9 @@ enum { SEARCH = 5, PATCH = 2 };
 // surfaces are one if the squared distance of normals, or the squared difference of albedos over
 // their product, is this.
 static const float NORMAL_UNIT = 0.2f, ALBEDO_UNIT = 0.5f;
+// That of inverse distances from a plane is one if it is this fraction of them, or what they change
+// by from a pixel to the next: planes are linear in these.
+static const float DISTANCE_UNIT = 0.05f;
 // The square of a difference that noise explains, in variances of one pixel.
 static const float EXPLAINED = 2.0f;
 // A pixel with more than this many times the variance of another one has no more in common with it
@@ -50,6 +53,8 @@ struct half_plane {
 struct noise_tile {
     struct half_plane half[HALVES];
     float albedo[3][PIXELS_READ], normal[3][PIXELS_READ];
+    float inverse[PIXELS_READ];                        // of the distance; 0: no surface
+    float slope_x[PIXELS_READ], slope_y[PIXELS_READ];  // its change from pixel to pixel
     bool has[NOISY_LAYERS];  // whether some pixel has samples of the layer
     // The variance of one unit of weight in one channel, by single pixels and by 3 x 3 pixels.
     float spread[PIXELS_READ], around[PIXELS_READ];
@@ -131,6 +136,8 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
     t->normal[0][i] = n->r * scale;
     t->normal[1][i] = n->g * scale;
     t->normal[2][i] = n->b * scale;
+    const float distance = p->depth * scale;
+    t->inverse[i] = distance > FLT_MIN ? 1.0f / distance : 0.0f;
 }
 
 static int clamp_to(int x, int end) { return x < 0 ? 0 : x < end ? x : end - 1; }
@@ -144,6 +151,20 @@ static void read_tile(struct noise_tile *t, const struct render_image *image, in
                       from_y = clamp_to(y0 + y - MARGIN, image->height);
             read_pixel(t, (size_t)(y * EXTENT + x), image,
                        (size_t)from_y * (size_t)image->width + (size_t)from_x);
+        }
+}
+
+// The smaller one of the changes to both sides, as one of them may cross an edge.
+static float distance_slope(const float *inverse, int step) {
+    const float before = inverse[0] - inverse[-step], after = inverse[step] - inverse[0];
+    return fabsf(before) < fabsf(after) ? before : after;
+}
+
+static void set_slopes(struct noise_tile *t) {
+    for (int y = 1; y < EXTENT - 1; y++)
+        for (int i = y * EXTENT + 1; i < (y + 1) * EXTENT - 1; i++) {
+            t->slope_x[i] = distance_slope(&t->inverse[i], 1);
+            t->slope_y[i] = distance_slope(&t->inverse[i], EXTENT);
         }
 }
 
@@ -222,11 +243,20 @@ static void set_variances(struct noise_tile *t, int c) {
 static int filtered_from(int row) { return (row + MARGIN) * EXTENT + MARGIN; }
 static int compared_from(int row) { return (row + MARGIN - PATCH) * EXTENT + MARGIN - PATCH; }
 
-static void compare_surfaces(struct noise_tile *t, int offset) {
+// How far pixel q is from the plane of p.
+static float distance_units(const struct noise_tile *t, int p, int q, float dx, float dy) {
+    const float from_plane =
+        t->inverse[q] - t->inverse[p] - t->slope_x[p] * dx - t->slope_y[p] * dy;
+    const float unit = DISTANCE_UNIT * maxf(t->inverse[p], t->inverse[q]) + fabsf(t->slope_x[p]) +
+                       fabsf(t->slope_y[p]) + FLT_MIN;
+    return sqrf(from_plane / unit);
+}
+
+static void compare_surfaces(struct noise_tile *t, int dx, int dy) {
     static const float of_normals = 1.0f / NORMAL_UNIT, of_albedos = 1.0f / (3.0f * ALBEDO_UNIT);
     for (int row = 0; row < TILE; row++)
         for (int k = 0; k < TILE; k++) {
-            const int p = filtered_from(row) + k, q = p + offset;
+            const int p = filtered_from(row) + k, q = p + dy * EXTENT + dx;
             const float normals = sqrf(t->normal[0][p] - t->normal[0][q]) +
                                   sqrf(t->normal[1][p] - t->normal[1][q]) +
                                   sqrf(t->normal[2][p] - t->normal[2][q]);
@@ -234,7 +264,8 @@ static void compare_surfaces(struct noise_tile *t, int offset) {
             for (int c = 0; c < 3; c++)
                 albedos +=
                     sqrf(t->albedo[c][p] - t->albedo[c][q]) / (t->albedo[c][p] * t->albedo[c][q]);
-            t->surface[row * TILE + k] = of_normals * normals + of_albedos * albedos;
+            t->surface[row * TILE + k] = of_normals * normals + of_albedos * albedos +
+                                         distance_units(t, p, q, (float)dx, (float)dy);
         }
 }
 
@@ -327,6 +358,7 @@ static rgb change_of(const struct noise_tile *t, const struct render_image *imag
 
 static void filter_tile(struct noise_tile *t, struct render_image *image, int x0, int y0) {
     read_tile(t, image, x0, y0);
+    set_slopes(t);
     for (int c = 0; c < 3; c++) {
         for (int h = 0; h < HALVES; h++) set_means(&t->half[h], &t->half[1 - h], c);
         set_spread(t, c);
@@ -337,7 +369,7 @@ static void filter_tile(struct noise_tile *t, struct render_image *image, int x0
     for (int dy = -SEARCH; dy <= SEARCH; dy++)
         for (int dx = -SEARCH; dx <= SEARCH; dx++) {
             const int offset = dy * EXTENT + dx;
-            compare_surfaces(t, offset);
+            compare_surfaces(t, dx, dy);
             for (int h = 0; h < HALVES; h++) {
                 compare_light(t, &t->half[1 - h], offset);
                 sum_patch_rows(t);

@@ -26,11 +26,13 @@ static struct render_image noise_image = {.width = WIDE,
                                           .change = noise_change};
 static struct parallel *noise_pool;
 
-// What a pixel shows: irradiance, of which samples have up to twice as much or none, and normal.
+// What a pixel shows: irradiance, of which samples have up to twice as much or none, normal, and
+// distance if that is to count.
 struct noisy_point {
     float E, noise;  // E: of green and blue; noise: in [0, 1]
     vec3 n;
     float red;  // irradiance of red over that of green
+    float distance;
 };
 typedef struct noisy_point noise_scene_fn(int x, int y);
 
@@ -63,6 +65,7 @@ static void fill_image(noise_scene_fn *at, uint32_t samples, float scale) {
                 struct rng rng = rng_make(5, RNG_TEST, (uint64_t)(y * WIDE + x) << 32 | k);
                 const float E = scale * s.E * (1.0f + s.noise * (2.0f * rng_float(&rng) - 1.0f));
                 add_noisy_sample(x, y, k, rgb_make(s.red * E, E, E), s.n, 1.0f);
+                noise_pixels[y * WIDE + x].depth += s.distance;
             }
 }
 
@@ -97,31 +100,46 @@ static double mean_square(light_fn *light, noise_scene_fn *at, double scale, dou
 static struct noisy_point even_light(int x, int y) {
     (void)x;
     (void)y;
-    return (struct noisy_point){1.0f, 1.0f, {0, 0, 1}, 1.0f};
+    return (struct noisy_point){1.0f, 1.0f, {0, 0, 1}, 1.0f, 0.0f};
 }
 
 // Light on both sides of an edge that no normal shows.
 static struct noisy_point shadow(int x, int y) {
     (void)y;
-    return (struct noisy_point){x < 45 ? 1.0f : 0.1f, 1.0f, {0, 0, 1}, 1.0f};
+    return (struct noisy_point){x < 45 ? 1.0f : 0.1f, 1.0f, {0, 0, 1}, 1.0f, 0.0f};
 }
 
 static struct noisy_point folded(int x, int y) {
     (void)y;
-    return x < 45 ? (struct noisy_point){1.0f, 1.0f, {0, 0, 1}, 1.0f}
-                  : (struct noisy_point){0.6f, 1.0f, {1, 0, 0}, 1.0f};
+    return x < 45 ? (struct noisy_point){1.0f, 1.0f, {0, 0, 1}, 1.0f, 0.0f}
+                  : (struct noisy_point){0.6f, 1.0f, {1, 0, 0}, 1.0f, 0.0f};
+}
+
+// Posts of three pixels before a wall, of which few samples see the bright sky. They are as far
+// away as the wall, or nearer.
+static struct noisy_point post(int x, float distance) {
+    return x % 15 < 3 ? (struct noisy_point){0.8f, 1.0f, {0, 0, 1}, 1.0f, distance}
+                      : (struct noisy_point){0.5f, 0.3f, {0, 0, 1}, 1.0f, 8.0f + 0.1f * (float)x};
+}
+static struct noisy_point far_posts(int x, int y) {
+    (void)y;
+    return post(x, 8.0f + 0.1f * (float)x);
+}
+static struct noisy_point near_posts(int x, int y) {
+    (void)y;
+    return post(x, 6.0f);
 }
 
 // Two colours of equal luminance.
 static struct noisy_point coloured(int x, int y) {
     (void)y;
-    return x < 45 ? (struct noisy_point){1.0f, 0.2f, {0, 0, 1}, 1.0f}
-                  : (struct noisy_point){0.8f, 0.2f, {0, 0, 1}, 2.175f};
+    return x < 45 ? (struct noisy_point){1.0f, 0.2f, {0, 0, 1}, 1.0f, 0.0f}
+                  : (struct noisy_point){0.8f, 0.2f, {0, 0, 1}, 2.175f, 0.0f};
 }
 
 static struct noisy_point quiet(int x, int y) {
     return (struct noisy_point){
-        0.5f + 0.004f * (float)((x * 7 + y * 3) % 100), 0.0f, {0, 0, 1}, 1.0f};
+        0.5f + 0.004f * (float)((x * 7 + y * 3) % 100), 0.0f, {0, 0, 1}, 1.0f, 0.0f};
 }
 
 // The noise of even_light light becomes much less, at any scale, whether a pixel has one sample or
@@ -154,6 +172,27 @@ static void test_edges(void **state) {
         assert_true(after < 0.25 * before);
         assert_true(fabs(bias) < 0.01);
     }
+}
+
+// What posts lose to the wall behind them, as a fraction of their light.
+static double lost_by_posts(noise_scene_fn *at) {
+    double before = 0.0, after = 0.0;
+    fill_image(at, 2, 1.0f);
+    assert_true(render_noise_change(&noise_image, noise_pool));
+    for (int y = 0; y < HIGH; y++)
+        for (int x = 0; x < WIDE; x++) {
+            if (x % 15 >= 3) continue;
+            before += (double)light_before(x, y);
+            after += (double)light_after(x, y);
+        }
+    return 1.0 - after / before;
+}
+
+static void test_thin_objects(void **state) {
+    (void)state;
+    const double lost = lost_by_posts(near_posts), if_far = lost_by_posts(far_posts);
+    print_message("posts lose %.3f, at the distance of the wall %.3f\n", lost, if_far);
+    assert_true(fabs(lost) < 0.02 && if_far > 0.1);
 }
 
 static void test_no_noise(void **state) {
@@ -249,7 +288,7 @@ int main(void) {
         cmocka_unit_test(test_even_light),      cmocka_unit_test(test_edges),
         cmocka_unit_test(test_no_noise),        cmocka_unit_test(test_bright_sample),
         cmocka_unit_test(test_unusable_pixels), cmocka_unit_test(test_small_images),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_threads),         cmocka_unit_test(test_thin_objects),
     };
     return cmocka_run_group_tests(tests, noise_setup, noise_teardown);
 }
