@@ -245,8 +245,7 @@ const struct option options_table[] = {
 
     {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), false, "off|on",
      "Shrinks and adds records until no two of them disagree perceptibly at a point that is seen. "
-     "A "
-     "render with a time limit refines records in rounds instead."},
+     "A render with a time limit refines records in rounds instead."},
     {"origin-shift", OPTION_BOOL, AT(origin_shift), false, "off|on",
      "Moves the positions of records away from the edges of triangles, by at most half a pixel."},
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
