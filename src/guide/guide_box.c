@@ -34,7 +34,11 @@ static const float BOX_BEYOND[BOX_OFFSETS] = {0.0f, 0.005f, 0.02f, 0.05f, 0.1f, 
 // the variance, and .88 to 1.0 in others and in the open, where a smaller box gains nothing, or
 // leaves 2.9 times the variance of direct light (ring).
 #define BOX_SMALLER 0.8f
-// The least extent, as a fraction of the largest.
+// The least extent, as a fraction of the largest of the box around all points. As a fraction of the
+// largest of the box itself it is the fraction of rays that arrive, .01 to .03 in rooms and .5 in
+// the open. Above a flat ground, in a box that is hardly higher, one bin has most of the sky. With
+// .01, .1, .3 and 1 direct light of a house beneath a sky has .88, .61, .46 and .44 of the variance
+// of samples by radiance alone, and .45 with the fraction that arrives.
 static const float EXTENT_LEAST = 0.01f;
 
 struct traced_ray {
@@ -51,6 +55,7 @@ struct box_search {
     struct traced_ray *ray;
     float *sorted;                       // coordinates of points
     float extent;                        // the largest of the box around all points
+    float open;                          // fraction of the rays that arrive
     uint32_t arriving[GUIDE_CELLS_MAX];  // number of rays of each cell that arrive
     struct light_box box[BOX_OFFSETS];
     double moment[BOX_OFFSETS];
@@ -172,8 +177,11 @@ static vec3 corner(const struct box_faces *faces, int upper, int moved, int offs
 static struct light_box moved_box(const struct box_search *search, const struct box_faces *faces,
                                   int face, int offset) {
     const vec3 lo = corner(faces, 0, face, offset), hi = corner(faces, 1, face, offset);
-    const float least = EXTENT_LEAST * search->extent;
-    return light_box_make(lo, v3_max(hi, v3_add(lo, v3(least, least, least))));
+    const float half =
+        0.5f * fmaxf(EXTENT_LEAST * search->extent, search->open * v3_max_abs(v3_sub(hi, lo)));
+    const vec3 middle = v3_mul(v3_add(lo, hi), 0.5f), all_sides = v3(half, half, half);
+    return light_box_make(v3_min(lo, v3_sub(middle, all_sides)),
+                          v3_max(hi, v3_add(middle, all_sides)));
 }
 
 // Finds the offsets of all faces, around the points of the cells in a box, and chooses the first.
@@ -273,13 +281,13 @@ satin_status guide_box_find(const struct satin_scene *scene, uint64_t seed,
     if (status == SATIN_OK && !trace_batches(&search, pool, &arrived)) status = SATIN_CANCELLED;
     if (status == SATIN_OK) {
         struct box_faces faces;
+        search.open = *arriving = (float)arrived / (float)search.rays;
         begin_faces(&search, &faces);
         if (arrived < ARRIVING_LEAST)
             leave_few(&faces);
         else if (!move_faces(&search, &faces, pool))
             status = SATIN_CANCELLED;
         *out = moved_box(&search, &faces, 0, faces.chosen[0]);
-        *arriving = (float)arrived / (float)search.rays;
     }
     free(search.ray);
     free(search.sorted);

@@ -58,7 +58,12 @@ struct guide_visibility {
 satin_status guide_sky_learn(const struct satin_scene *scene, uint64_t seed,
                              struct guide_visibility_samples samples, struct parallel *pool,
                              struct guide_visibility *visibility);
-// The most bytes that this takes.
+// The fraction of the samples of the environment that the bins of a cell's histogram should draw,
+// in [0, .9], by a few samples at its points (guide_sky_fraction.c). The histogram's own must be >
+// 0.
+float guide_sky_fraction(const struct satin_scene *scene, const struct guide_cell *cell,
+                         const struct light_histogram *histogram, struct rng *rng);
+// The most bytes that guide_sky_learn takes.
 double guide_sky_most(const struct satin_scene *scene);
 
 #endif

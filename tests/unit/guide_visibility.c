@@ -186,6 +186,74 @@ static void samples_of_an_open_floor_go_to_the_sky(void **state) {
     end(&t, all);
 }
 
+// A court: a floor at y = -1 with walls of half its width, below a sky with a sun of four texels.
+static void guide_visibility_court(struct test_scene *t, const struct image *sky) {
+    struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = sky};
+    light.to_world = light.to_local = mat4_identity();
+    test_scene_init(t);
+    const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    test_cube(t, test_transform(v3(0, -1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
+    for (int side = -1; side <= 1; side += 2) {
+        const float at = 1.05f * (float)side;
+        test_cube(t, test_transform(v3(at, -0.5f, 0), v3(0.05f, 0.5f, 1.1f)), false, grey);
+        test_cube(t, test_transform(v3(0, -0.5f, at), v3(1.1f, 0.5f, 0.05f)), false, grey);
+    }
+    test_light(t, light);
+    test_scene_finish(t);
+    test_look_down(t);
+}
+
+// The variance of the irradiance by one sample at p on the floor of the court, over the squared
+// mean.
+static double guide_visibility_variance(const struct test_scene *t,
+                                        const struct guide_visibility *all, vec3 p) {
+    enum { SAMPLES = 1 << 14 };
+    const vec3 n = v3(0, 1, 0);
+    const struct light_receiver at = {p, n, false};
+    struct light_product product;
+    const struct light_visibility visibility = guide_visibility_at(all, &at, &product);
+    double sum = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const vec2 u = sample_sobol2(i, 3);
+        struct light_sample s;
+        if (!light_sample_visible(&t->scene, 0, visibility, p, u.x, u.y, &s)) continue;
+        struct ray ray = scene_spawn(&t->scene, p, n, s.wi);
+        if (!(s.wi.y > 0.0f) || scene_occluded(&t->scene, &ray)) continue;
+        const double E = (double)(s.wi.y * rgb_luminance(s.L) / s.pdf_w);
+        sum += E;
+        squares += E * E;
+    }
+    return squares * SAMPLES / (sum * sum) - 1.0;
+}
+
+// Rays through bins hardly ever meet such a sun, so samples by them are no better than by radiance
+// where it is visible, but where it is hidden they are. On the floor both occur.
+static void a_sun_smaller_than_a_bin_is_left_to_radiance(void **state) {
+    (void)state;
+    enum { WIDTH = 512, HEIGHT = 256, POINTS = 64 };
+    static float texel[WIDTH * HEIGHT * 3];
+    for (size_t i = 0; i < WIDTH * HEIGHT * 3; i++) {
+        const size_t row = i / 3 / WIDTH, column = i / 3 % WIDTH;
+        texel[i] = row / 2 == 32 && column / 2 == 40 ? 3e4f : 0.3f;
+    }
+    const struct image sky = scene_image_make(WIDTH, HEIGHT, 3, texel);
+    struct test_scene t;
+    guide_visibility_court(&t, &sky);
+    struct guide_visibility *all = guide_visibility_look(&t, 2, BIN_RAYS);
+    double blind[2] = {0.0}, guided[2] = {0.0};
+    for (int i = 0; i < POINTS; i++) {
+        const vec3 p = v3(0.25f * (float)(i % 8) - 0.875f, -1.0f, 0.25f * (float)(i / 8) - 0.875f);
+        const double by_radiance = guide_visibility_variance(&t, NULL, p);
+        const int hidden = by_radiance > 2.0;
+        blind[hidden] += by_radiance / POINTS;
+        guided[hidden] += guide_visibility_variance(&t, all, p) / POINTS;
+    }
+    print_message("in the sun %.3f of %.3f, in its shadow %.3f of %.3f\n", guided[0], blind[0],
+                  guided[1], blind[1]);
+    assert_true(guided[0] < 1.2 * blind[0] && guided[1] < 0.1 * blind[1]);
+    end(&t, all);
+}
+
 static void without_a_sky_there_is_no_histogram(void **state) {
     (void)state;
     struct test_scene t;
@@ -242,6 +310,7 @@ int main(void) {
         cmocka_unit_test(few_rays_do_not_move_the_box),
         cmocka_unit_test(rays_of_other_cells_find_what_those_of_one_miss),
         cmocka_unit_test(samples_of_an_open_floor_go_to_the_sky),
+        cmocka_unit_test(a_sun_smaller_than_a_bin_is_left_to_radiance),
         cmocka_unit_test(without_a_sky_there_is_no_histogram),
         cmocka_unit_test(lamps_behind_walls_are_hardly_chosen),
         cmocka_unit_test(threads_do_not_change_visibility),
