@@ -41,7 +41,7 @@ struct gather {
     bool rays_find_lights;  // whether some light is hit by rays: not all are points or directions
     const struct gather_direct *direct;  // NULL: there is none
     const struct photon_sppm *sppm;      // whose photons paths read; NULL: no photons
-    float lookup_max;                    // photon lookups of a larger radius are not reliable
+    float lookup_max;  // photon lookups of a larger radius are not reliable; 0: there are none
     // The records of the next indirect bounce; `gather` is NULL except in first pass `recursive`.
     struct gather_records next;
 };
@@ -50,6 +50,14 @@ struct gather {
 // NULL.
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
                           const struct photon_maps *maps);
+
+// Whether gather rays look photons up at their hits.
+static inline bool gather_looks_up(const struct gather *g) { return g->lookup_max > 0.0f; }
+// Ends that: they go on as paths, and are not guided to the clusters of the photons.
+static inline void gather_end_lookups(struct gather *g) {
+    g->lookup_max = 0.0f;
+    g->clusters = NULL;
+}
 
 // Whether indirect light is gathered at surfaces that are `depth` segments from the eye: two more
 // lead to the light.
@@ -237,6 +245,7 @@ struct gather_noise {
                      // near to each other have in common
     double error;    // of both together
     double cpu_s;    // of one lookup, with its ray
+    double read;     // fraction of the rays that read photons at their hits
 };
 // Measures it by these gather rays, with random decisions of their own. All of *out is 0 if they
 // find no light. SATIN_ERROR_MEMORY: *out is unchanged.

@@ -225,7 +225,7 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
 static struct gather_estimate estimate_at(const struct path_vertex *z, bool strict) {
     const struct gather *g = z->g;
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
-    if (has_records(g)) return none;
+    if (has_records(g) || !gather_looks_up(g)) return none;
     float radius;
     int entry;
     rgb E;

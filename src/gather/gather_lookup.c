@@ -10,7 +10,8 @@ bool gather_look_up(const struct gather *g, struct ray ray, float pdf_w, struct 
     const struct gather_segment_start start = {.ray = ray, .depth = gather_hit_depth(g) - 1};
     struct gather_segment segment;
     struct shading_point y;
-    if (!gather_segment_trace(g, &start, sampler, &segment, &y)) return false;
+    if (!gather_looks_up(g) || !gather_segment_trace(g, &start, sampler, &segment, &y))
+        return false;
     if (!(y.lobes & BRDF_DIFFUSE) ||
         !gather_reads_photons(g, gather_hit_depth(g) + segment.specular))
         return false;

@@ -21,6 +21,7 @@ struct noise_lookup {
     bool hit;        // whether it hits a surface, where something is read
     float L[2];      // luminance by either lookup
     float variance;  // of the stored light, of the luminance
+    bool read;       // whether photons are read
 };
 
 struct noise_rays {
@@ -31,13 +32,15 @@ struct noise_rays {
     double *cpu_s;                    // by worker
 };
 
-// The variance of the stored light that a ray reads.
-static float variance_of_stored(const struct gather *g, const struct ray *ray, uint32_t item) {
+// The variance of the stored light that a ray reads. Sets whether that is of photons.
+static float variance_of_stored(const struct gather *g, const struct ray *ray, uint32_t item,
+                                bool *photons) {
     const satin_first_pass first = g->options->first_pass;
     struct sampler sampler = {item, (uint32_t)g->options->seed, 0};
     if (g->maps && (first == SATIN_FIRST_PHOTONS || photon_precomputes(g->options))) {
         struct gather_lookup read;
-        if (!gather_look_up(g, *ray, 0.0f, &sampler, &read)) return 0.0f;
+        *photons = gather_look_up(g, *ray, 0.0f, &sampler, &read);
+        if (!*photons) return 0.0f;
         return photon_noise2(g->maps) * sqrf(rgb_luminance(read.L));
     }
     if (!g->next.gather) return 0.0f;
@@ -64,7 +67,8 @@ static void look_up_rays(void *ctx, size_t begin, size_t end, int worker) {
     }
     r->cpu_s[worker] += stats_thread() - start;
     for (size_t i = begin; i < end; i++)
-        r->lookup[i].variance = variance_of_stored(r->g, &r->ray[i], (uint32_t)i);
+        r->lookup[i].variance =
+            variance_of_stored(r->g, &r->ray[i], (uint32_t)i, &r->lookup[i].read);
 }
 
 // Sums in the order of the rays, so that they do not depend on the threads. Lookups that are not
@@ -78,12 +82,14 @@ static struct gather_noise sum_lookups(const struct noise_lookup *lookup, size_t
         sum += 0.5 * (a + b);
         sampled += 0.5 * (a - b) * (a - b);
         stored += (double)lookup[i].variance;
+        noise.read += lookup[i].read;
         noise.lookups++;
     }
     if (!(sum > 0.0)) return (struct gather_noise){0};
     const double scale = sqrt((double)noise.lookups) / sum;
     noise.sampled = scale * sqrt(sampled);
     noise.stored = scale * sqrt(stored);
+    noise.read /= (double)noise.lookups;
     noise.error = hypot(noise.sampled, noise.stored);
     return noise;
 }

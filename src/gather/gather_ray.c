@@ -34,6 +34,15 @@ static rgb density_irradiance(const struct gather *g, const struct gather_hit *h
                     a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
 }
 
+// The estimate of hits where nothing is looked up.
+static void clear_estimates(struct gather_hits *hits, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        hits->E[i] = rgb_grey(0.0f);
+        hits->radius[i] = INFINITY;
+        hits->entry[i] = -1;
+    }
+}
+
 // Finds E and radius of `count` hits, by a common lookup or by an estimate for each.
 static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                          bool strict) {
@@ -94,7 +103,10 @@ static int samples_of_hit(float bright, float mean) {
 static void reflect_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                          struct gather_near *near) {
     const float discs = near ? near->discs : GATHER_NEAR_DISCS;
-    look_up_hits(g, hits, count, gather_near_of_record(near));
+    if (gather_looks_up(g))
+        look_up_hits(g, hits, count, gather_near_of_record(near));
+    else
+        clear_estimates(hits, count);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
         const float radius = hits->radius[i];
