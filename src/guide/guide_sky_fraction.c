@@ -15,27 +15,21 @@ enum {
     FRACTION_POINTS = 16,
     FRACTION_POINT_SAMPLES = 8,
     // The fractions that are compared are multiples of 1 / FRACTION_STEPS, the last of which is the
-    // largest
-    // allowed. Samples by radiance that find light where the bins are dark are rare and bright:
-    // with .75 instead of .9, records on the ceiling of a room with windows deviate by 8.3 instead
-    // of 7.2 %. Hardly any arrive, but with .97 they are three times as bright: the error of
-    // living-room at equal time is the same, but 11.5 instead of 2.3 pixels per image have more
+    // largest allowed. Samples by radiance that find light where the bins are dark are rare and
+    // bright: with .75 instead of .9, records on the ceiling of a room with windows deviate by 8.3
+    // instead of 7.2 %. Hardly any arrive, but with .97 they are three times as bright: the error
+    // of living-room at equal time is the same, but 11.5 instead of 2.3 pixels per image have more
     // than twice the diffuse indirect light of other seeds, and one image in six had a disc of ten
     // times the light.
     FRACTION_STEPS = 10
 };
 
-// Sums over the samples of a cell, of light over their density and of the second moment of that for
-// each fraction.
-struct fraction_tally {
-    float light, square[FRACTION_STEPS];
-};
-
 static float fraction_of_step(int step) { return (float)step / FRACTION_STEPS; }
 
-// What a sample adds. It is known how probable it would be with any fraction.
+// Adds a sample to the second moment of each fraction. It is known how probable it would be with
+// any of them.
 static void add_to_moments(const struct satin_scene *scene, const struct guide_cell_point *p,
-                           struct light_product *product, vec2 u, struct fraction_tally *tally) {
+                           struct light_product *product, vec2 u, float moment[FRACTION_STEPS]) {
     const struct light_visibility visibility = {product, NULL};
     struct light_sample s;
     product->fraction = 0.5f;
@@ -48,15 +42,13 @@ static void add_to_moments(const struct satin_scene *scene, const struct guide_c
     product->fraction = 1.0f;
     const float by_bins = light_environment_pdf(scene, product, s.wi);
     const float pdf_w = 0.5f * (by_radiance + by_bins);
-    tally->light += light / pdf_w;
     for (int i = 0; i < FRACTION_STEPS; i++)
-        tally->square[i] +=
-            sqrf(light) / (pdf_w * lerpf(by_radiance, by_bins, fraction_of_step(i)));
+        moment[i] += sqrf(light) / (pdf_w * lerpf(by_radiance, by_bins, fraction_of_step(i)));
 }
 
 float guide_sky_fraction(const struct satin_scene *scene, const struct guide_cell *cell,
                          const struct light_histogram *histogram, struct rng *rng) {
-    struct fraction_tally tally = {0};
+    float moment[FRACTION_STEPS] = {0.0f};
     const size_t first = rng_u32(rng) % cell->count;
     for (size_t i = 0; i < FRACTION_POINTS; i++) {
         const struct guide_cell_point *p = &cell->point[(first + i) % cell->count];
@@ -66,11 +58,11 @@ float guide_sky_fraction(const struct satin_scene *scene, const struct guide_cel
         if (!(product.fraction > 0.0f)) continue;
         for (int k = 0; k < FRACTION_POINT_SAMPLES; k++) {
             const float u = sample_stratum(k, rng_float(rng), FRACTION_POINT_SAMPLES);
-            add_to_moments(scene, p, &product, (vec2){u, rng_float(rng)}, &tally);
+            add_to_moments(scene, p, &product, (vec2){u, rng_float(rng)}, moment);
         }
     }
     int best = 0;
     for (int i = 1; i < FRACTION_STEPS; i++)
-        if (tally.square[i] < tally.square[best]) best = i;
+        if (moment[i] < moment[best]) best = i;
     return fraction_of_step(best);
 }
