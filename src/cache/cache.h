@@ -26,7 +26,7 @@ void cache_free(struct cache *cache);  // NULL is allowed
 
 // ---- Reading (cache_read.c) ---------------------------------------------------------------------
 
-// Sums over the records of an interpolation. A fallback record has weight 1.
+// Sums over the records of an interpolation.
 struct cache_used {
     int count;
     float weight;
@@ -142,10 +142,9 @@ unsigned cache_add_reflected(const struct cache_reader *reader, const struct sha
 // rays (cache_noise.c); 0 if no record is near.
 float cache_reflected_variance(const struct cache_reader *reader, const struct shading_point *y);
 
-// The point of a cache lookup. If no record is accurate enough there, the nearest one up to the
-// distance `fallback` is used.
-static inline struct cache_lookup cache_lookup_at(const struct shading_point *p, float fallback) {
-    return (struct cache_lookup){p->interaction.p, p->base.n, p->frame, fallback, 0.0f};
+// The point of a cache lookup.
+static inline struct cache_lookup cache_lookup_at(const struct shading_point *p) {
+    return (struct cache_lookup){p->interaction.p, p->base.n, p->frame, 0.0f};
 }
 // The number by which records identify a point's glossy lobes; 0 if textures change their shape.
 static inline uint32_t cache_lobe_number(const struct shading_point *p) {

@@ -24,7 +24,7 @@ static float variance_by_kind(const struct cache_reader *reader, const struct ca
     static cache_reflected_fn *const reflected[CACHE_KINDS] = {
         [CACHE_IRRADIANCE] = cache_irradiance_reflected,
         [CACHE_RADIANCE] = cache_radiance_reflected};
-    const struct cache_lookup at = cache_lookup_at(y, 0.0f);
+    const struct cache_lookup at = cache_lookup_at(y);
     const struct cache *cache = reader->cache;
     struct cache_near near[CACHE_NEAR_MAX];
     const int count = cache_find(cache, kind, at.p, at.n, reader->a[kind], near);

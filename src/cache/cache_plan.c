@@ -67,7 +67,7 @@ unsigned cache_plan_kinds(const struct cache_reader *reader, const struct shadin
 
 unsigned cache_add_reflected(const struct cache_reader *reader, const struct shading_point *y,
                              rgb *L) {
-    const struct cache_lookup at = cache_lookup_at(y, 0.0f);
+    const struct cache_lookup at = cache_lookup_at(y);
     struct cache_plan plan;
     rgb glossy = rgb_grey(0.0f), E = glossy;
     cache_plan_make(reader, y, &plan);

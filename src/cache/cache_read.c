@@ -8,19 +8,6 @@
 #include "cache/cache_value.h"
 #include "rsh/rsh.h"
 
-// Finds the records to interpolate at a point, or the nearest record if there are none.
-static int find_or_nearest(const struct cache *cache, enum cache_kind kind,
-                           const struct cache_lookup *at, float a,
-                           struct cache_near near[CACHE_NEAR_MAX]) {
-    const struct cache_tree *tree = &cache->store[kind].tree;
-    int count = cache_find_close(cache, kind, at->p, at->n, a, near);
-    if (count > 0 || !(at->fallback_radius > 0.0f)) return count;
-    int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->fallback_radius);
-    if (nearest < 0 || cache_leaks(cache, &tree->head[nearest], at->p)) return 0;
-    near[0] = (struct cache_near){(uint32_t)nearest, 1.0f};
-    return 1;
-}
-
 rgb cache_rotate_irradiance(const struct cache_irradiance_value *value, vec3 n, vec3 facing) {
     const struct cache_taylor t = cache_taylor_rotate(value, n, n, facing);
     return rgb_at_least(cache_taylor_value(&t), 0.0f);
@@ -74,7 +61,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = find_or_nearest(cache, CACHE_IRRADIANCE, at, a, near);
+    const int count = cache_find_close(cache, CACHE_IRRADIANCE, at->p, at->n, a, near);
     if (count == 0) return used;
     struct cache_taylor sum = {0};
     struct disagreement sums = {0};
@@ -145,7 +132,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = find_or_nearest(cache, CACHE_RADIANCE, at, a, near);
+    const int count = cache_find_close(cache, CACHE_RADIANCE, at->p, at->n, a, near);
     if (count == 0) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};

@@ -13,8 +13,6 @@
 struct cache_lookup {
     vec3 p, n;               // position, and normal without bump and normal maps
     struct frame frame;      // of the BRDF; its n is the normal with bump and normal maps
-    float fallback_radius;   // where no record is accurate enough, the nearest one within this
-                             // distance is used; 0: none is
     float gather_deviation;  // relative standard deviation of gathering at the point instead of
                              // reading records
 };

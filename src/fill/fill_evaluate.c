@@ -55,7 +55,7 @@ static cache_reflected_fn *const reflected[CACHE_KINDS] = {
 // Computes the luminances that are not known yet.
 static void find_luminances(const struct fill_adaptation *c, const struct fill_site *s,
                             struct fill_point *p) {
-    const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f, 0.0f};
+    const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
     find_surface(s, c->cache->store[c->kind].order, &surface);
     for (int i = 0; i < p->count; i++) {

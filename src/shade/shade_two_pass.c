@@ -5,10 +5,6 @@
 
 #include "shade/shade_pixel_cache.h"
 
-// A point without records, as in a sliver along an edge, uses the nearest record within this many
-// pixels.
-#define FALLBACK_PIXELS 8.0f
-
 static struct gather_site site_of(const struct shade_lighting *lighting) {
     const struct shading_point *p = &lighting->vertex->point;
     return (struct gather_site){.p = p->interaction.p,
@@ -40,8 +36,7 @@ static void sample_diffuse(struct shade_lighting *lighting) {
 
 // What is asked of the records at the vertex.
 static struct cache_lookup records_lookup(const struct shade_lighting *lighting) {
-    const struct shade_vertex *v = lighting->vertex;
-    struct cache_lookup at = cache_lookup_at(&v->point, FALLBACK_PIXELS * v->pixel);
+    struct cache_lookup at = cache_lookup_at(&lighting->vertex->point);
     at.gather_deviation = lighting->shade->missing.deviation;
     return at;
 }

@@ -158,7 +158,7 @@ static void loading_returns_what_was_saved(void **state) {
     struct rng rng = rng_make(2, RNG_SITE, 0);
     for (int i = 0; i < LOOKUPS; i++) {
         struct cache_lookup at = {cache_file_draw(&rng), v3(0, 0, 1),
-                                  frame_from_normal(v3(0, 0, 1)), 0.0f, 0.0f};
+                                  frame_from_normal(v3(0, 0, 1)), 0.0f};
         rgb x = rgb_grey(-1.0f), y = x;
         assert_int_equal(cache_irradiance(&a.cache, &at, 0.5f, &x).count,
                          cache_irradiance(&b.cache, &at, 0.5f, &y).count);

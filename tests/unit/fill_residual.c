@@ -60,7 +60,7 @@ static rgb fill_residual_reflected(const struct fill_residual_fixture *f) {
     struct cache_lobe lobe = {.C = C, .channels = 1, .number = LOBE_NUMBER};
     lobe.order = brdf_range_lookup(f->range, &brdf, WO, C);
     lobe.mirror = frame_to_world(&s->frame, v3(-WO.x, -WO.y, WO.z));
-    const struct cache_lookup at = {s->p, s->frame.n, s->frame, 0.0f, 0.0f};
+    const struct cache_lookup at = {s->p, s->frame.n, s->frame, 0.0f};
     rgb L = rgb_grey(-1.0f);
     assert_int_equal(cache_radiance(f->c.cache, &at, 0.5f, &lobe, &L, NULL).count, 1);
     return L;
