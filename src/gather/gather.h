@@ -197,7 +197,7 @@ struct gather_ray {
     struct ray ray;
     uint32_t item;      // seeds the random decisions after the hit
     float spread;       // width over distance of what it represents, for textures; 0: a point
-    float alpha_least;  // least roughness of lobes at its hit, if that is flat; 0: any
+    float alpha_least;  // least roughness of lobes at its hit; 0: any
     float pdf_w;  // density [sr^-1] by which it is drawn, if the mean of such rays is to be free
                   // of the noise of lookups that they have in common; 0: that may remain
     const struct light_receiver *lit;  // for whose direct light Le, light_pdf and Le_specular are

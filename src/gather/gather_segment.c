@@ -34,23 +34,6 @@ static float end_probability(const struct shading_point *p) {
     return smooth + delta > 0.0f ? smooth / (smooth + delta) : 1.0f;
 }
 
-// Within the width of what a ray represents, the normal of a curved surface rotates by curvature
-// times width, and light that it reflects spreads by twice that, as by facets of so large an alpha.
-// To such a ray a small or distant ball with a narrow lobe reflects light in all directions. With
-// the ray's own width alone, one ray in some thousands met its highlight and was 99 % of a record
-// (docs/experiments/sweep.md). The largest alpha is below 1, where the coat of the principled model
-// has no density.
-static const float ALPHA_CURVED_MOST = 0.9f;
-
-static float alpha_least_at(const struct gather *g, const struct gather_segment_start *start,
-                            const struct shading_point *end) {
-    const float flat = start->alpha_least;
-    if (!(flat > 0.0f) || !(end->lobes & BRDF_GLOSSY)) return flat;
-    const float curved =
-        flat + scene_curvature(g->scene, &end->interaction) * end->interaction.footprint;
-    return fmaxf(flat, fminf(curved, ALPHA_CURVED_MOST));
-}
-
 bool gather_segment_trace(const struct gather *g, const struct gather_segment_start *start,
                           struct sampler *sampler, struct gather_segment *out,
                           struct shading_point *end) {
@@ -74,7 +57,7 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
         const float stop = end_probability(end), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
         if (u < stop) {
             out->T = rgb_scale(out->T, 1.0f / stop);
-            end->brdf.alpha_least = alpha_least_at(g, start, end);
+            end->brdf.alpha_least = start->alpha_least;
             return true;
         }
         out->first.ng = GATHER_NOTHING.ng;

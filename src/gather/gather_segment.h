@@ -23,7 +23,7 @@ static inline bool gather_reads_photons(const struct gather *g, int depth) {
 struct gather_segment_start {
     struct ray ray;
     float spread;       // width over distance of what the ray represents, for textures; 0: a point
-    float alpha_least;  // least roughness of lobes at its end, if that is flat; 0: any
+    float alpha_least;  // least roughness of lobes at its end; 0: any
     // The surface point that the ray leaves, against whose light samples emitted light is weighted;
     // NULL: emitted light is ignored.
     const struct light_receiver *lit;

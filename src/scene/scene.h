@@ -391,10 +391,6 @@ bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
 // centre of a triangle that is too small for that, by no more than `margin`. Points of other shapes
 // are not moved.
 vec3 scene_origin_shift(const struct satin_scene *scene, const struct interaction *s, float margin);
-// The angle by which the normal rotates per length along the surface at s, where that is largest [1
-// / length]; 0: a plane. Of curves, the rate around the tube where the segment begins. An instance
-// counts with the mean of its scales. INFINITY where points with different normals coincide.
-float scene_curvature(const struct satin_scene *scene, const struct interaction *s);
 // The change of the shading normal s->frame.n, without bump and normal maps, per displacement dp
 // along the surface at s. Of triangles and spheres outside of instances; else 0.
 vec3 scene_normal_change(const struct satin_scene *scene, const struct interaction *s, vec3 dp);

@@ -85,42 +85,11 @@ static void a_segment_may_leave_the_scene(void **state) {
     test_scene_free(&t);
 }
 
-// The least roughness at the end of a segment that represents .1 of its length, on a rough
-// conductor.
-static float alpha_at_end(enum shape_kind kind, struct mat4 m) {
-    struct test_scene t;
-    test_scene_init(&t);
-    test_quadric(&t, kind, m, false,
-                 test_material(&t, "roughconductor", rgb_grey(0.0f), rgb_grey(1.0f)));
-    test_scene_finish(&t);
-    satin_options options = satin_options_default;
-    const struct gather g = {.scene = &t.scene, .options = &options};
-    struct sampler sampler = {0, 1, 0};
-    const struct gather_segment_start start = {
-        .ray = {v3(0, 0, 1), 0.0f, v3(0, 0, -1), INFINITY}, .spread = 0.1f, .alpha_least = 0.05f};
-    struct gather_segment segment;
-    struct shading_point end;
-    assert_true(gather_segment_trace(&g, &start, &sampler, &segment, &end));
-    test_scene_free(&t);
-    return end.brdf.alpha_least;
-}
-
-// The ray is .1 wide where it hits, 1 from its start.
-static void lobes_widen_where_the_surface_is_curved(void **state) {
-    (void)state;
-    assert_float_equal(alpha_at_end(SHAPE_DISK, mat4_identity()), 0.05f, 0.0f);
-    const struct mat4 large = test_transform(v3(0, 0, -2), v3(2, 2, 2));
-    assert_float_equal(alpha_at_end(SHAPE_SPHERE, large), 0.05f + 0.1f / 2.0f, 1e-5f);
-    const struct mat4 small = test_transform(v3(0, 0, -0.01f), v3(0.01f, 0.01f, 0.01f));
-    assert_float_equal(alpha_at_end(SHAPE_SPHERE, small), 0.9f, 1e-5f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_segment_ends_behind_a_mirror),
         cmocka_unit_test(emitted_light_is_direct_or_specular),
         cmocka_unit_test(a_segment_may_leave_the_scene),
-        cmocka_unit_test(lobes_widen_where_the_surface_is_curved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
