@@ -50,6 +50,7 @@ struct light {
     float cos_cutoff, cos_beam;  // spot
     float tan_x, tan_y;          // projector: half extents of its slide at unit distance
     const struct image *image;   // envmap: latitude-longitude, 3 channels
+    int lit_rows;                // envmap: if not 0, it is black beyond this row of texels
     vec3 sun;                    // envmap: direction to the centre of the sun's uniform disc, unit
     rgb sun_value;               // radiance of the sun; black: there is none
     float sun_chord;             // chord of the angle between the sun's centre and edge

@@ -45,7 +45,9 @@ struct texels {
     rgb c00, c10, c01, c11;
 };
 
-static struct texels texels_of(const struct image *image, int column, int row) {
+static struct texels texels_of(const struct light *light, int column, int row) {
+    const struct image *image = light->image;
+    if (light->lit_rows > 0 && row >= light->lit_rows) return (struct texels){0};
     return (struct texels){texel(image, column, row), texel(image, column + 1, row),
                            texel(image, column, row + 1), texel(image, column + 1, row + 1)};
 }
@@ -155,7 +157,7 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
     double cell_area = 2.0 * M_PI * M_PI / (double)(rows * columns), flux = 0.0, power = 0.0;
     for (size_t r = 0; r < rows; r++) {
         for (size_t c = 0; c < columns; c++) {
-            const struct texels t = texels_of(image, (int)c, (int)r);
+            const struct texels t = texels_of(light, (int)c, (int)r);
             const struct cell cell = cell_of(light, &t, (int)r);
             line[c] = cell_mean(&cell);
             vec3 d = direction_at(light, ((float)c + 1.0f) / (float)columns,
@@ -210,7 +212,7 @@ static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
         return 0.25f / PI_F;
     }
     const struct texel_lookup at = texel_lookup_at(light, wi);
-    const struct texels t = texels_of(light->image, at.column, at.row);
+    const struct texels t = texels_of(light, at.column, at.row);
     const struct cell cell = cell_of(light, &t, at.row);
     if (L) *L = interpolate(light, &t, at.fx, at.fy);
     return texel_pdf(light, &at, &cell);
@@ -227,7 +229,7 @@ static bool choose_with(float probability, float *u) {
 static rgb sky_radiance(const struct light *light, vec3 w) {
     if (light->kind == LIGHT_CONSTANT) return light->value;
     const struct texel_lookup at = texel_lookup_at(light, w);
-    const struct texels t = texels_of(light->image, at.column, at.row);
+    const struct texels t = texels_of(light, at.column, at.row);
     return interpolate(light, &t, at.fx, at.fy);
 }
 
@@ -243,7 +245,7 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
     const uint32_t *cut = light->column_cut + (size_t)row * (light->column_cuts + 1);
     int column = (int)sample_cdf_cut(columns, cut, light->column_cuts, u, &u);
-    const struct texels t = texels_of(image, column, row);
+    const struct texels t = texels_of(light, column, row);
     const struct cell c = cell_of(light, &t, row);
     struct texel_lookup at = {.column = column, .row = row};
     at.fy = sample_linear(v, c.w00 + c.w10, c.w01 + c.w11);

@@ -8,7 +8,7 @@
 #include "light/light.h"
 #include "light/light_sky_tables.h"
 
-enum { SKY_COLUMNS = 512, SKY_ROWS = 257 };  // an odd number of rows: one is the horizon
+enum { SKY_COLUMNS = 512, SKY_ROWS = 2 * SKY_HORIZON + 1 };
 
 // The published brightness times this is the radiance: one over the integral of y [nm].
 static const double per_brightness = 1.0 / 106.7502594;
@@ -86,10 +86,8 @@ bool light_sky_image(struct arena *arena, const struct sky *sky, struct image *o
             const vec3 w = v3((float)(sin(theta) * sin(phi)), (float)cos(theta),
                               (float)(-sin(theta) * cos(phi)));
             const double gamma = 2.0 * asin(fmin(0.5 * (double)sqrtf(v3_dist2(w, sky->sun)), 1.0));
-            // At the horizon is the mean of the sky above and of nothing below.
-            const float fraction = row < SKY_ROWS / 2 ? 1.0f : row == SKY_ROWS / 2 ? 0.5f : 0.0f;
             for (int k = 0; k < 3; k++)
-                t[k] = fraction * dome_at(&dome[k], fmax(cos(theta), 0.0), gamma);
+                t[k] = row <= SKY_HORIZON ? dome_at(&dome[k], fmax(cos(theta), 0.0), gamma) : 0.0f;
         }
     *out = scene_image_make(SKY_COLUMNS, SKY_ROWS, 3, texel);
     return true;

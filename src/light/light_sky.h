@@ -16,6 +16,7 @@ struct image;
 #define SKY_TURBIDITY_MAX 10.0f
 
 #define SKY_SUN_APERTURE 0.5358f  // angle that the sun subtends, degrees
+#define SKY_HORIZON 128           // the row of the image of a sky that is the horizon
 
 struct sky {
     float turbidity;

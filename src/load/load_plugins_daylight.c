@@ -155,6 +155,7 @@ static satin_status build_daylight(struct load_state *loader, const struct param
     if (!image || !light_sky_image(&loader->scene->arena, &sky, image))
         return load_no_memory(loader);
     light->image = image;
+    light->lit_rows = SKY_HORIZON;
     return SATIN_OK;
 }
 

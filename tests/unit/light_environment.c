@@ -37,6 +37,34 @@ static void the_sun_is_a_disc(void **state) {
     test_scene_free(&t);
 }
 
+// Beyond the last row with light all is black, and no sample goes there.
+static void a_horizon_is_an_edge(void **state) {
+    (void)state;
+    float texel[4 * 5 * 3];
+    for (int i = 0; i < 4 * 5 * 3; i++) texel[i] = 1.0f;
+    const struct image white = scene_image_make(4, 5, 3, texel);
+    struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = &white};
+    light.to_world = light.to_local = mat4_identity();
+    light.lit_rows = 2;  // of four: to the horizon
+    struct test_scene t;
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+    test_light(&t, light);
+    test_scene_finish(&t);
+    assert_true(light_environment(&t.scene, v3_unit(v3(1, 0.01f, 1))).g == 1.0f);
+    assert_true(rgb_black(light_environment(&t.scene, v3_unit(v3(1, -0.01f, 1)))));
+    double sum = 0.0;
+    for (int i = 0; i < 100; i++)
+        for (int k = 0; k < 100; k++) {
+            struct light_sample s;
+            const float u = ((float)i + 0.5f) * 0.01f, v = ((float)k + 0.5f) * 0.01f;
+            assert_true(light_sample_wi(&t.scene, 0, v3(0, 0, 0), u, v, &s) && s.wi.y > -1e-6f);
+            sum += (double)(s.L.g / s.pdf_w) * 1e-4;
+        }
+    assert_true(fabs(sum - 2.0 * M_PI) < 1e-3 * 2.0 * M_PI);
+    test_scene_free(&t);
+}
+
 // A box of different sides.
 static struct light_box light_environment_box(void) {
     return light_box_make(v3(-1.0f, -2.0f, -0.5f), v3(3.0f, 1.0f, 2.0f));
@@ -226,6 +254,7 @@ static void samples_are_read_after_they_arrive(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_sun_is_a_disc),
+        cmocka_unit_test(a_horizon_is_an_edge),
         cmocka_unit_test(directions_are_in_their_bins),
         cmocka_unit_test(bins_around_a_bin_are_on_its_face),
         cmocka_unit_test(histograms_do_not_change_the_mean),
