@@ -284,7 +284,7 @@ static void take_filter_back(const struct surface_edges *e, size_t at, const str
     }
 }
 
-// Light changes by no more than it does between the pixels around, and is not negative.
+// Light does not leave the range of that of the pixels around, and is not negative.
 static void change_light(const struct surface_edges *e, size_t at, const struct regression *g,
                          const struct shade_surface *met, struct pixel_change *out) {
     float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
@@ -293,8 +293,10 @@ static void change_light(const struct surface_edges *e, size_t at, const struct 
     put_surface(&out->surface, dx);
     render_regression_change(g, dx, change);
     for (int c = 0; c < REGRESSION_VALUES; c++) {
-        const float most = g->most[c] - g->least[c], least = -at_least(ALMOST_ALL * own[c], 0.0f);
-        change[c] = isfinite(change[c]) ? clampf(change[c], maxf(least, -most), most) : 0.0f;
+        const float all = -at_least(ALMOST_ALL * own[c], 0.0f);
+        const float down = maxf(minf(g->least[c] - own[c], 0.0f), all),
+                    up = maxf(g->most[c] - own[c], 0.0f);
+        change[c] = isfinite(change[c]) ? clampf(change[c], down, up) : 0.0f;
     }
     for (int k = 0; k < REGRESSION_LAYERS; k++)
         out->light[k] =
