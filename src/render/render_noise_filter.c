@@ -308,15 +308,22 @@ static struct tile_range range_inside(int tile, int offset, int size) {
     return (struct tile_range){begin > 0 ? begin : 0, end < TILE ? end : TILE};
 }
 
-// How similar the pixels of a row are, as the sums of patches say that are summed in rows.
+// What a pixel at an offset counts. It falls smoothly, lest a bright sample become a square.
+static float nearness(int dx, int dy) {
+    static const float of_radius = 1.0f / ((SEARCH + 1) * (SEARCH + 1));
+    return maxf(1.0f - of_radius * (float)(dx * dx + dy * dy), 0.0f);
+}
+
+// How similar the pixels of a row are, as the sums of patches say that are summed in rows, times
+// how near they are.
 static void find_similar(const float *restrict sums, const float *restrict surface,
-                         float *restrict similar) {
+                         float *restrict similar, float near) {
     static const float of_patch = 1.0f / (PATCH_SIDE * PATCH_SIDE), of_most = 1.0f / UNITS_MOST;
     for (int k = 0; k < TILE; k++) {
         float sum = 0.0f;
         for (int i = 0; i < PATCH_SIDE; i++) sum += sums[i * TILE + k];
         const float differs = at_least(sum * of_patch, 0.0f) + surface[k];
-        similar[k] = sqrf(sqrf(maxf(1.0f - of_most * differs, 0.0f)));
+        similar[k] = near * sqrf(sqrf(maxf(1.0f - of_most * differs, 0.0f)));
     }
 }
 
@@ -325,13 +332,13 @@ static void add_similar_row(float *restrict to, const float *restrict from,
     for (int k = columns.begin; k < columns.end; k++) to[k] += similar[k] * from[k];
 }
 
-// Adds the samples of `half` at the offset, by how similar the other half is there.
+// Adds the samples of `half` at the offset, by how near and how similar in the other half that is.
 static void add_similar(struct noise_tile *t, const struct half_plane *half, int offset,
-                        struct tile_range rows, struct tile_range columns) {
+                        struct tile_range rows, struct tile_range columns, float near) {
     float similar[TILE];
     for (int row = rows.begin; row < rows.end; row++) {
         const int to = row * TILE, q = filtered_from(row) + offset;
-        find_similar(t->row + to, t->surface + to, similar);
+        find_similar(t->row + to, t->surface + to, similar, near);
         for (int layer = 0; layer < NOISY_LAYERS; layer++) {
             if (!t->has[layer]) continue;
             for (int c = 0; c < 3; c++)
@@ -368,13 +375,15 @@ static void filter_tile(struct noise_tile *t, struct render_image *image, int x0
     memset(t->weight, 0, sizeof t->weight);
     for (int dy = -SEARCH; dy <= SEARCH; dy++)
         for (int dx = -SEARCH; dx <= SEARCH; dx++) {
+            const float near = nearness(dx, dy);
+            if (!(near > 0.0f)) continue;
             const int offset = dy * EXTENT + dx;
             compare_surfaces(t, dx, dy);
             for (int h = 0; h < HALVES; h++) {
                 compare_light(t, &t->half[1 - h], offset);
                 sum_patch_rows(t);
                 add_similar(t, &t->half[h], offset, range_inside(y0, dy, image->height),
-                            range_inside(x0, dx, image->width));
+                            range_inside(x0, dx, image->width), near);
             }
         }
     for (int y = y0; y < y0 + TILE && y < image->height; y++)
