@@ -32,6 +32,9 @@ _Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixe
 // Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
 // the depth not by more than this fraction.
 static const float EDGE_ALIKE = 0.1f;
+// Pixels of a regression count by a Gaussian of their distance, of this standard deviation: light
+// near other edges follows surfaces in another way.
+static const float NEAR_DEVIATION = 1.5f;
 // No light follows from a surface that differs by less than this.
 static const float EDGE_NONE = 1e-4f;
 // The light of a pixel that goes at most, so that rounding makes none negative.
@@ -166,6 +169,10 @@ static void put_light(const struct render_image *image, size_t at, float y[REGRE
     }
 }
 
+static float near_weight(int dx, int dy) {
+    return expf(-0.5f / sqrf(NEAR_DEVIATION) * (float)(dx * dx + dy * dy));
+}
+
 static void read_neighbours(const struct render_image *image, size_t at, struct regression *g) {
     const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
     g->count = 0;
@@ -178,7 +185,7 @@ static void read_neighbours(const struct render_image *image, size_t at, struct 
             const struct shade_surface surface = mean_surface(pixel);
             put_surface(&surface, g->x[g->count]);
             put_light(image, from, g->y[g->count]);
-            g->weight[g->count++] = (float)pixel->samples;
+            g->weight[g->count++] = (float)pixel->samples * near_weight(u - x, v - y);
         }
 }
 
