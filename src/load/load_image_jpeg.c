@@ -81,6 +81,14 @@ static void free_jpeg(struct jpeg_input *input) {
     free(input);
 }
 
+// Huffman codes have at least one bit for each block. Without all of these a file is damaged, and
+// found to be so before its image takes memory.
+static bool has_all_blocks(const struct jpeg_decompress_struct *jpeg, size_t bytes) {
+    const size_t columns = ((size_t)jpeg->image_width + DCTSIZE - 1) / DCTSIZE,
+                 rows = ((size_t)jpeg->image_height + DCTSIZE - 1) / DCTSIZE;
+    return jpeg->arith_code || CHAR_BIT * bytes >= columns * rows;
+}
+
 static enum reader_result open_jpeg(const struct image_data *file, struct opened_image *out,
                                     char *error, size_t size) {
     struct jpeg_input *input = calloc(1, sizeof *input);
@@ -92,6 +100,11 @@ static enum reader_result open_jpeg(const struct image_data *file, struct opened
         const enum reader_result result = report_jpeg(input, error, size);
         free_jpeg(input);
         return result;
+    }
+    if (!has_all_blocks(&input->jpeg, file->size)) {
+        snprintf(error, size, "the JPEG is damaged: it has fewer bits than blocks");
+        free_jpeg(input);
+        return READER_FAILED;
     }
     *out = (struct opened_image){input, (int)input->jpeg.image_width, (int)input->jpeg.image_height,
                                  input->jpeg.num_components == 1 ? 1 : 3, true};

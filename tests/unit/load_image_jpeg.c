@@ -140,6 +140,19 @@ static void damaged_jpeg_files_are_refused(void **state) {
     free(jpeg.byte);
 }
 
+// A few hundred bytes that promise 66 million pixels.
+static void promised_pixels_take_no_memory(void **state) {
+    (void)state;
+    struct jpeg_file jpeg = make_jpeg(1, true);
+    size_t frame = 0;
+    while (!(jpeg.byte[frame] == 0xff && jpeg.byte[frame + 1] == 0xc2)) frame++;
+    assert_true(jpeg.byte[frame + 6] == HEIGHT && jpeg.byte[frame + 8] == WIDTH);
+    jpeg.byte[frame + 5] = 8;
+    jpeg.byte[frame + 7] = 128;
+    refuse_jpeg(&jpeg, "the JPEG is damaged: it has fewer bits than blocks");
+    free(jpeg.byte);
+}
+
 // The last scan of a progressive file, hundreds of times.
 static void scans_are_bounded(void **state) {
     (void)state;
@@ -180,6 +193,7 @@ int main(void) {
         cmocka_unit_test(values_are_encoded),
         cmocka_unit_test(surplus_bytes_are_harmless),
         cmocka_unit_test(damaged_jpeg_files_are_refused),
+        cmocka_unit_test(promised_pixels_take_no_memory),
         cmocka_unit_test(scans_are_bounded),
         cmocka_unit_test(four_components_are_left_to_the_module),
     };
