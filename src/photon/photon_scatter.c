@@ -98,6 +98,11 @@ static float facets_pdf(const struct photon_surface *at, vec3 wo) {
     return pdf;
 }
 
+// Directions in the facet's plane carry no power, and their adjoint factor has no value.
+static bool leaves_plane(const struct photon_facet *facet, vec3 wo) {
+    return v3_dot(wo, facet->frame.n) != 0.0f;
+}
+
 // Draws a direction by the lobes of a facet, which is returned; NULL if the sample fails.
 static const struct photon_facet *draw_lobe(const struct photon_surface *at, unsigned lobes, vec3 u,
                                             struct photon_scattered *out) {
@@ -107,7 +112,7 @@ static const struct photon_facet *draw_lobe(const struct photon_surface *at, uns
         return NULL;
     out->frame = facet->frame;
     out->wo = frame_to_world(&facet->frame, out->sample.wi);
-    return facet;
+    return leaves_plane(facet, out->wo) ? facet : NULL;
 }
 
 // A direction that was drawn by a facet counts only if its viewer sees this facet.
@@ -129,6 +134,7 @@ bool photon_scatter_along(const struct photon_surface *at, float pdf,
         if (!facet_towards(at, out->wo, &shown)) return false;
         facet = &shown;
     }
+    if (!leaves_plane(facet, out->wo)) return false;
     const vec3 wi_l = frame_to_local(&facet->frame, at->wi);
     const vec3 wo_l = frame_to_local(&facet->frame, out->wo);
     // The viewer is where the photon goes, and the slopes of a map shadow where it comes from.

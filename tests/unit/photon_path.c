@@ -11,6 +11,7 @@
 
 #include "photon/photon.h"
 #include "photon/photon_map.h"
+#include "photon/photon_scatter.h"
 #include "test_scene.h"
 
 enum { PHOTON_PATH_PATHS = 1 << 17 };
@@ -380,6 +381,27 @@ static void mirrored_photons_stay_whole(void **state) {
     test_scene_free(&t);
 }
 
+// Openings are sampled in all directions, also in the plane of the surface: there the cosines of
+// the adjoint BSDF are 0/0.
+static void nothing_is_scattered_in_the_plane(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), test_diffuse(&t, .7f, .7f, .7f));
+    test_scene_finish(&t);
+    const struct ray ray = {v3(.1f, .2f, 1), 0.0f, v3(0, 0, -1), INFINITY};
+    struct interaction s;
+    struct photon_surface at;
+    assert_true(scene_intersect(&t.scene, &ray, &s));
+    assert_true(photon_surface_make(&t.scene, &s, v3(0, 0, 1), &at));
+    struct photon_scattered to = {.wo = {.6f, .8f, 0}};
+    assert_false(photon_scatter_along(&at, 184.0f, &to));
+    to.wo = v3(.6f, 0, .8f);
+    assert_true(photon_scatter_along(&at, 184.0f, &to));
+    assert_float_equal(to.sample.weight.r, .7 * .8 / (M_PI * 184), 1e-7);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(power_is_absorbed_or_escapes),
@@ -391,6 +413,7 @@ int main(void) {
         cmocka_unit_test(tilted_normals_have_their_irradiance),
         cmocka_unit_test(tilted_normals_scatter_equal_photons),
         cmocka_unit_test(mirrored_photons_stay_whole),
+        cmocka_unit_test(nothing_is_scattered_in_the_plane),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
