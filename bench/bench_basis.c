@@ -241,7 +241,7 @@ static bool make_model(const struct named_model *n, struct arena *arena, struct 
                          .distribution = BRDF_GGX,
                          .variant = BRDF_WARD_DUER};
     if (n->model[0] == 'l' && brdf_lafortune_set(out, arena, lobe, 3) != SATIN_OK) return false;
-    return out->model && brdf_prepare(out, arena) == SATIN_OK;
+    return out->model && brdf_prepare(out, arena, NULL) == SATIN_OK;
 }
 
 // Light at POINTS points of the scene; returns how many were found.

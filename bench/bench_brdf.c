@@ -87,7 +87,7 @@ static satin_status prepare_model(struct bench *n, int row, struct arena *arena,
         n->wo[k] = sample_cosine_hemisphere(rng_float(&rng), rng_float(&rng));
         n->wi[k] = sample_cosine_hemisphere(rng_float(&rng), rng_float(&rng));
     }
-    satin_status status = brdf_prepare(&n->b, arena);
+    satin_status status = brdf_prepare(&n->b, arena, NULL);
     if (status || !(n->b.model->lobes & BRDF_GLOSSY)) return status;
     const struct brdf_fit fit = {SATIN_HSH, 10, 0.05f, false};
     return brdf_table_build(&n->b, &fit, pool, &n->table);

@@ -26,9 +26,10 @@ const struct brdf_model *brdf_find(const char *name) {
     return NULL;
 }
 
-satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
+satin_status brdf_prepare(struct brdf *b, struct arena *arena, const struct brdf_glossy **made) {
+    if (made && brdf_albedo_reuse(b, *made)) return SATIN_OK;
     satin_status status = b->model->prepare ? b->model->prepare(b, arena) : SATIN_OK;
-    return status ? status : brdf_albedo_prepare(b, arena);
+    return status ? status : brdf_albedo_prepare(b, arena, made);
 }
 
 // Whether the coats of two BRDFs of one model do the same to the glossy lobe.

@@ -238,9 +238,11 @@ struct brdf_coating {
 // one of the arena. Fails only on lack of memory; then b is unchanged.
 satin_status brdf_coat_set(struct brdf *b, struct arena *arena, const struct brdf_coating *coating);
 
-// Computes tables and constants. To be called once per material, after its constants are set. Fails
-// only on lack of memory.
-satin_status brdf_prepare(struct brdf *b, struct arena *arena);
+// Computes tables and constants. To be called once per material, after its constants are set.
+// BRDFs of the same shape, such as paints of one roughness in many colours, use the same tables, of
+// those that were made with this `made`: it is NULL before the first call, and lists those of this
+// arena. If `made` itself is NULL, b has its own. Fails only on lack of memory.
+satin_status brdf_prepare(struct brdf *b, struct arena *arena, const struct brdf_glossy **made);
 
 // Lets the lobe of a metal of a roughness up to BRDF_POLISHED be a delta lobe whose direction is
 // drawn around that of an ideal surface. As with a mirror, paths that follow it and caustic photons

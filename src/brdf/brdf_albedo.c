@@ -15,8 +15,9 @@ enum {
 
 // The albedo of the glossy lobe of brdf_white, and of BRDF_THROUGH with `transmittance` 1.
 struct brdf_glossy {
-    struct brdf brdf;  // the tables are valid for a BRDF of the same shape
-    int azimuths;      // ALBEDO_AZIMUTHS, or 1 if isotropic
+    struct brdf brdf;                // the tables are valid for a BRDF of the same shape
+    const struct brdf_glossy *next;  // of the list of brdf_prepare
+    int azimuths;                    // ALBEDO_AZIMUTHS, or 1 if isotropic
     struct nodes {
         rgb node[ALBEDO_AZIMUTHS][ALBEDO_NODES];
     } side[2][2];  // by lobe; for wo above and below
@@ -48,7 +49,18 @@ static void set_nodes(const struct brdf *white, int azimuths, unsigned lobe, boo
         }
 }
 
-satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
+bool brdf_albedo_reuse(struct brdf *b, const struct brdf_glossy *made) {
+    while (made &&
+           !(brdf_same_shape(&made->brdf, b) && made->brdf.rough_texture == b->rough_texture))
+        made = made->next;
+    if (!made) return false;
+    b->tables = made->brdf.tables;
+    b->glossy = made;
+    return true;
+}
+
+satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena,
+                                 const struct brdf_glossy **made) {
     if (!(b->model->lobes & (BRDF_GLOSSY | BRDF_THROUGH))) return SATIN_OK;
     struct brdf_glossy *g = arena_alloc(arena, sizeof *g);
     if (!g) return SATIN_ERROR_MEMORY;
@@ -62,6 +74,9 @@ satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
             set_nodes(&white, g->azimuths, BRDF_THROUGH, below, &g->side[1][below]);
     }
     b->glossy = g;
+    if (!made) return SATIN_OK;
+    g->next = *made;
+    *made = g;
     return SATIN_OK;
 }
 

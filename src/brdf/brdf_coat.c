@@ -311,7 +311,7 @@ satin_status brdf_coat_set(struct brdf *b, struct arena *arena,
     set_light(c);
     c->base *= rgb_mean(even_albedo(&(struct brdf){.coat = c}));
     if (c->nested->diffuse_albedo) tabulate_uneven(&coated, c);
-    const satin_status status = brdf_albedo_prepare(&coated, arena);
+    const satin_status status = brdf_albedo_prepare(&coated, arena, NULL);
     if (status == SATIN_OK) *b = coated;
     return status;
 }

@@ -28,8 +28,12 @@ void brdf_mean_probabilities(const struct brdf *b, vec3 wo, float *diffuse, floa
 unsigned brdf_coat_lobes(const struct brdf *b, unsigned nested);
 const struct brdf_model *brdf_coat_nested(const struct brdf *b);
 
-// Tabulates the albedo of the glossy lobe of b, if there is one (brdf_albedo.c).
-satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena);
+// Tabulates the albedo of the glossy lobe of b, if there is one, and adds its tables to `made` as
+// brdf_prepare (brdf_albedo.c).
+satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena,
+                                 const struct brdf_glossy **made);
+// Gives b the tables of a BRDF of the same shape. False if none is in the list.
+bool brdf_albedo_reuse(struct brdf *b, const struct brdf_glossy *made);
 
 // Whether a rotation of both directions about the normal changes nothing. All models except those
 // with `asymmetric` are symmetric about the x and the y axis.

@@ -485,6 +485,6 @@ satin_status load_side_build(struct load_state *loader, const struct params *p,
     side->base.model = brdf_find(p->plugin->name);
     satin_status status = p->plugin->build(loader, p, side);
     if (status != SATIN_OK) return status;
-    status = brdf_prepare(&side->base, &loader->scene->arena);
+    status = brdf_prepare(&side->base, &loader->scene->arena, &loader->tables);
     return status == SATIN_OK ? status : load_no_memory(loader);
 }

@@ -24,7 +24,7 @@ static satin_status default_material(struct load_state *loader, enum plain_mater
     out->front.base.model = brdf_find(plain == PLAIN_NULL ? "null" : "diffuse");
     out->front.base.diffuse = rgb_grey(plain == PLAIN_GREY ? 0.5f : 0.0f);
     out->front.base.transmittance = rgb_grey(1.0f);  // of PLAIN_NULL
-    if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
+    if (brdf_prepare(&out->front.base, &loader->scene->arena, NULL) != SATIN_OK)
         return load_no_memory(loader);
     out->back = out->front;
     return SATIN_OK;
@@ -272,7 +272,8 @@ static satin_status build_mask(struct load_state *loader, const struct params *p
     int count;
     hole.base.model = brdf_find("null");
     hole.base.transmittance = rgb_grey(1.0f);
-    if (brdf_prepare(&hole.base, &loader->scene->arena) != SATIN_OK) return load_no_memory(loader);
+    if (brdf_prepare(&hole.base, &loader->scene->arena, NULL) != SATIN_OK)
+        return load_no_memory(loader);
     satin_status status = build_nested(loader, p, 1, 1, out, &count);
     if (status == SATIN_OK)
         status = find_weight(loader, opacity, rgb_mean(opacity->color), &weight);

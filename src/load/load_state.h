@@ -35,6 +35,7 @@ struct load_state {
     struct light *light;
     struct image_file *image;
     struct load_images images;
+    const struct brdf_glossy *tables;  // of the BRDFs so far, see brdf_prepare
     struct shape_group *group;
     const char **attribute;  // names of attributes to which textures refer, each once
     size_t shape_count, material_count, light_count, image_count, group_count, attribute_count;

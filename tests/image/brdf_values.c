@@ -40,7 +40,7 @@ static bool read_brdf(const char *line, struct brdf *b, struct arena *arena) {
         else
             *brdf_number(b, i) = f[0];
     }
-    return b->model && brdf_prepare(b, arena) == SATIN_OK;
+    return b->model && brdf_prepare(b, arena, NULL) == SATIN_OK;
 }
 
 static void print_delta(const struct brdf *b, vec3 wo) {

@@ -425,7 +425,7 @@ static void beams_see_no_sharper_lobes(void **state) {
                          .distribution = BRDF_GGX};
         const float alpha[3] = {SHARP, LEAST, WIDE};
         struct brdf at[3];
-        assert_int_equal(brdf_prepare(&b, &arena), SATIN_OK);
+        assert_int_equal(brdf_prepare(&b, &arena, NULL), SATIN_OK);
         for (int k = 0; k < 3; k++) {
             at[k] = b;
             at[k].alpha_u = at[k].alpha_v = root ? sqrtf(alpha[k]) : alpha[k];

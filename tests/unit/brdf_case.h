@@ -230,7 +230,7 @@ static struct brdf brdf_case_make(const struct brdf_case *c, struct arena *arena
                      .nonlinear = c->nonlinear};
     assert_non_null(b.model);
     if (c->set) c->set(&b);
-    assert_int_equal(brdf_prepare(&b, arena), SATIN_OK);
+    assert_int_equal(brdf_prepare(&b, arena, NULL), SATIN_OK);
     if (c->coat) assert_int_equal(brdf_coat_set(&b, arena, c->coat), SATIN_OK);
     return b;
 }

@@ -24,7 +24,7 @@ static struct brdf bare(const char *model, struct arena *arena) {
                      .alpha_u = 0.3f,
                      .alpha_v = 0.3f,
                      .exponent = 8.0f};
-    assert_int_equal(brdf_prepare(&b, arena), SATIN_OK);
+    assert_int_equal(brdf_prepare(&b, arena, NULL), SATIN_OK);
     return b;
 }
 

@@ -24,7 +24,7 @@ static struct brdf plastic_make(float ior, int k, float alpha, bool textured, st
                      .distribution = k & 1 ? BRDF_GGX : BRDF_BECKMANN,
                      .nonlinear = k & 2,
                      .rough_texture = textured};
-    assert_int_equal(brdf_prepare(&b, arena), SATIN_OK);
+    assert_int_equal(brdf_prepare(&b, arena, NULL), SATIN_OK);
     return b;
 }
 
@@ -80,10 +80,48 @@ static void any_roughness_has_a_value(void **state) {
     arena_free(&arena);
 }
 
+static struct brdf brdf_plastic_paint(float roughness, bool textured, float grey) {
+    return (struct brdf){.model = brdf_find("roughplastic"),
+                         .diffuse = rgb_grey(grey),
+                         .specular = rgb_grey(1.0f),
+                         .alpha_u = roughness,
+                         .alpha_v = roughness,
+                         .ior = 1.5f,
+                         .rough_texture = textured};
+}
+
+// Paints of many colours have the tables of one, and those of other roughness their own.
+static void tables_are_made_once_per_shape(void **state) {
+    (void)state;
+    struct arena arena = {0};
+    const struct brdf_glossy *made = NULL;
+    struct brdf first = brdf_plastic_paint(0.2f, false, 0.5f),
+                alone = brdf_plastic_paint(0.2f, false, 0.7f), same = alone,
+                rougher = brdf_plastic_paint(0.3f, false, 0.5f),
+                textured = brdf_plastic_paint(0.2f, true, 0.5f);
+    assert_int_equal(brdf_prepare(&alone, &arena, NULL), SATIN_OK);
+    assert_int_equal(brdf_prepare(&first, &arena, &made), SATIN_OK);
+    assert_int_equal(brdf_prepare(&rougher, &arena, &made), SATIN_OK);
+    assert_int_equal(brdf_prepare(&textured, &arena, &made), SATIN_OK);
+    const size_t bytes = arena.bytes;
+    assert_int_equal(brdf_prepare(&same, &arena, &made), SATIN_OK);
+    assert_int_equal(arena.bytes, bytes);
+    assert_ptr_equal(same.tables, first.tables);
+    assert_ptr_not_equal(rougher.tables, first.tables);
+    assert_ptr_not_equal(textured.tables, first.tables);
+    const vec3 wo = v3_unit(v3(0.3f, 0.2f, 0.6f)), wi = v3_unit(v3(-0.5f, 0.1f, 0.4f));
+    const rgb a = brdf_eval(&same, wo, wi, BRDF_SMOOTH), b = brdf_eval(&alone, wo, wi, BRDF_SMOOTH);
+    assert_memory_equal(&a, &b, sizeof a);
+    const rgb all = brdf_albedo(&same, wo, BRDF_ALL), other = brdf_albedo(&alone, wo, BRDF_ALL);
+    assert_memory_equal(&all, &other, sizeof all);
+    arena_free(&arena);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(textured_roughness_is_that_of_a_constant),
         cmocka_unit_test(any_roughness_has_a_value),
+        cmocka_unit_test(tables_are_made_once_per_shape),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

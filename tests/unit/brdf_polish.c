@@ -17,7 +17,7 @@ static struct brdf polish_case_make(const char *model, float alpha, struct arena
                      .alpha_u = alpha,
                      .alpha_v = alpha,
                      .distribution = BRDF_GGX};
-    assert_int_equal(brdf_prepare(&b, arena), SATIN_OK);
+    assert_int_equal(brdf_prepare(&b, arena, NULL), SATIN_OK);
     return b;
 }
 

@@ -20,7 +20,7 @@ static struct brdf grooves(float alpha, bool fast, struct arena *arena) {
                      .diffuse = {0.2f, 0.6f, 1.0f},
                      .alpha_u = alpha,
                      .fast = fast};
-    assert_int_equal(brdf_prepare(&b, arena), SATIN_OK);
+    assert_int_equal(brdf_prepare(&b, arena, NULL), SATIN_OK);
     return b;
 }
 

@@ -50,7 +50,7 @@ static inline uint32_t test_material(struct test_scene *t, const char *model, rg
                      .alpha_v = 0.1f,
                      .exponent = 20.0f};
     assert_non_null(b.model);
-    assert_int_equal(brdf_prepare(&b, &t->scene.arena), SATIN_OK);
+    assert_int_equal(brdf_prepare(&b, &t->scene.arena, NULL), SATIN_OK);
     *m = (struct material){.name = model, .front = {.base = b}, .back = {.base = b}};
     m->two_sided = !b.model->transmits;
     m->front.holes = m->back.holes = b.model == brdf_find("null");
