@@ -103,7 +103,8 @@ double render_budget_direct(const struct render *r, double seconds);
 // The fraction of its photons that a render traces first, to measure their time or light.
 double render_budget_first_photons(void);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect
-// light from `paths` paths: 1, or up to 8 if it is starved.
+// light from `paths` paths: 1, or up to 8 if it is starved; less than 1, if 8 times as many would
+// be too few to be read, too.
 // With a time limit it is at least 2.5, unless the image is denoised.
 double render_budget_starved(const satin_options *options, double paths, double kept);
 // The factor of the photons of the global map without a time limit, in a film of so many pixels.

@@ -39,6 +39,10 @@ static const double FIT_PATHS = 1024.0, FIT_GROWTH = 16.0, FIT_AGAIN = 2.0, PASS
 // a tenth less time in all, and half of the error of indirect light. Without a time limit another
 // pass is made if the paths are to grow by STARVED_AGAIN; STARVED_MOST limits its time and memory.
 static const double KEPT_LEAST = 0.5, STARVED_AGAIN = 1.5, STARVED_MOST = 8.0;
+// A map that would have fewer photons than this is not read, however far it grows: with a time
+// limit no more than the first photons are traced. Of 54 rooms and outdoor scenes 7 have fewer, and
+// there at most .22 of the gather rays read photons, else .46 or more.
+static const double SPARSE = 15000.0;
 // With a time limit the global map has this many times the photons of the options, if they fit. In
 // a room whose floor reflects single lookups, they leave .6 of the error at 30 CPU seconds; in
 // three closed rooms 1.0, .93 and .90 of the variance at 8 CPU seconds. A denoised image follows
@@ -187,6 +191,7 @@ double render_budget_starved(const satin_options *o, double paths, double kept) 
     const double least = o->time > 0.0 && !o->denoise ? more : 1.0;
     const double per = more / TIMED_PHOTONS;  // photons that are needed over those of the options
     const double wanted = KEPT_LEAST * per * paths / fmax(kept, 1.0);
+    if (kept / paths * (double)o->photons * STARVED_MOST * per < SPARSE) return FIRST_PHOTONS;
     return fmin(fmax(wanted, least), fmax(STARVED_MOST * per, least));
 }
 
