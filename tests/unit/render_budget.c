@@ -183,14 +183,18 @@ static void rays_per_bin_grow_with_photons(void **state) {
 
 static void samples_gather_less_with_a_limit(void **state) {
     (void)state;
-    // A pixel of 16 samples has 128 rays, or 16 with the time limit that gives it these samples.
+    // A pixel of 16 samples has 128 rays, or 32 with the time limit that gives it these samples.
     const satin_options limited = {.spp = 1 << 20, .time = 1.0, .width = 100, .height = 100};
     const struct shade_missing plain = render_budget_missing(&(satin_options){.spp = 16}, 0.0),
                                timed = render_budget_missing(&limited, 1.3),
+                               half = render_budget_missing(&limited, 0.65),
                                longer = render_budget_missing(&limited, 64 * 1.3),
                                shorter = render_budget_missing(&limited, 1e-3);
     assert_int_equal(plain.rays, 8);
-    assert_int_equal(timed.rays, 1);
+    assert_int_equal(timed.rays, 2);
+    assert_int_equal(half.rays, 1);
+    assert_int_equal(longer.rays, 4);
+    assert_int_equal(shorter.rays, 1);
     // Where a cache is off, the samples have the rays of a record in common, and each at least 8.
     const satin_options off = {.spp = 4, .irradiance_rays = 100};
     assert_int_equal(render_budget_missing(&off, 0.0).hemisphere, 25);
@@ -244,18 +248,18 @@ static void caustics_grow_with_the_image(void **state) {
 
 static void starved_maps_alone_are_made_again(void **state) {
     (void)state;
-    satin_options o = {.time = 0.0};
+    satin_options o = {.photons = 100000};
     assert_true(render_budget_starved(&o, 1000.0, 500.0) == 1.0);
     assert_true(render_budget_starved(&o, 1000.0, 2000.0) == 1.0);
     assert_true(render_budget_starved(&o, 1000.0, 125.0) == 4.0);
-    assert_true(render_budget_starved(&o, 1000.0, 0.0) == 8.0);
+    assert_true(render_budget_starved(&o, 1000.0, 20.0) == 8.0);
     // At production a starved map gets as many paths as if the options had a million.
     o.photons = 2500000;
     assert_true(fabs(render_budget_starved(&o, 2.5e6, 0.1 * 2.5e6) - 5.0 / 2.5) < 1e-9);
-    assert_true(fabs(render_budget_starved(&o, 2.5e6, 0.0) - 8.0 / 2.5) < 1e-9);
+    assert_true(fabs(render_budget_starved(&o, 2.5e6, 0.01 * 2.5e6) - 8.0 / 2.5) < 1e-9);
     o.time = 10.0;
     assert_true(render_budget_starved(&o, 2.5e6, 2.5e6) == 1.0);
-    o.photons = 0;
+    o.photons = 100000;
     o.time = 10.0;
     assert_true(render_budget_starved(&o, 1000.0, 500.0) == 2.5);
     assert_true(render_budget_starved(&o, 1000.0, 125.0) == 4.0);
