@@ -32,8 +32,12 @@ struct ray scene_instance_ray(const struct shape *shape, const struct ray *ray) 
                         mat4_vector(&shape->to_object, ray->d), ray->tfar};
 }
 
+float scene_instance_length(const struct shape *shape, float length) {
+    return length * longest_column(&shape->to_object);
+}
+
 float scene_instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p) {
-    return 4.0f * scene_interaction_offset(scene, p) * longest_column(&shape->to_object);
+    return scene_instance_length(shape, 4.0f * scene_interaction_offset(scene, p));
 }
 
 void scene_instance_to_world(const struct shape *shape, bool tangent, bool partials,

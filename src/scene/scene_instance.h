@@ -12,6 +12,8 @@ void scene_instance_bound(struct shape *shape, vec3 lo, vec3 hi);
 // Transforms a world ray to the group's space. Distances stay the same, so the direction is not
 // unit.
 struct ray scene_instance_ray(const struct shape *shape, const struct ray *ray);
+// About the largest length in the group's space of what has this length in the world.
+float scene_instance_length(const struct shape *shape, float length);
 // The least distance from the edges of its triangle for a hit at p (world), in the group's space.
 float scene_instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p);
 // Transforms a surface interaction from the group's space to the world, including dp_du and dp_dv

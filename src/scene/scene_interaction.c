@@ -14,6 +14,8 @@
 // a rounded position could be beyond the neighbouring face.
 #include "scene/scene_interaction.h"
 
+#include "scene/scene_instance.h"
+
 struct surface_triangle {
     double p[3][3];
     double e1[3], e2[3];  // p1 - p0, p2 - p0
@@ -164,13 +166,17 @@ void scene_interaction_triangle(const struct satin_scene *scene, const struct sh
 
 vec3 scene_origin_shift(const struct satin_scene *scene, const struct interaction *s,
                         float margin) {
-    const struct shape *shape = &scene->shape[s->shape];
+    const struct shape *shape = &scene->shape[s->shape],
+                       *instance = s->instance ? &scene->shape[s->instance - 1] : NULL;
     if (shape->kind != SHAPE_MESH || !(margin > 0.0f)) return s->p;
     struct surface_triangle t;
     surface_triangle_get(&shape->mesh, s->prim, &t);
     double b[3] = {1.0 - (double)s->bary.x - (double)s->bary.y, s->bary.x, s->bary.y};
-    if (!pull_inside(&t, margin, b)) return s->p;
-    vec3 offset = v3_sub(blend_corners(&t, b), s->p);
+    const vec3 before = instance ? blend_corners(&t, b) : s->p;
+    if (!pull_inside(&t, instance ? scene_instance_length(instance, margin) : margin, b))
+        return s->p;
+    vec3 offset = v3_sub(blend_corners(&t, b), before);
+    if (instance) offset = mat4_vector(&instance->to_world, offset);
     float length = v3_len(offset);
     return length > margin ? v3_mad(s->p, margin / length, offset) : v3_add(s->p, offset);
 }

@@ -68,6 +68,9 @@ static void an_instance_shows_its_group(void **state) {
         }
         // The hits agree to some ulp of 100 off the surface, and to more along it at a grazing ray.
         assert_true(fabsf(v3_dot(v3_sub(a.p, b.p), a.ng)) < 1e-4f && v3_dist2(a.p, b.p) < 1e-4f);
+        // So do the origins of records, which are moved off edges.
+        assert_true(v3_dist2(scene_origin_shift(direct, &a, 0.2f),
+                             scene_origin_shift(instances, &b, 0.2f)) < 2e-4f);
         // A reflection puts the outside of a sphere inside, but not an instance of it; so it is in
         // Mitsuba.
         bool sphere = instances->shape[b.shape].kind == SHAPE_SPHERE;
