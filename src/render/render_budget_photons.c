@@ -97,17 +97,18 @@ enum {
     LIGHT_RAYS = 32
 };
 // With a time limit of less than this many core seconds, the paths for the visibility of lights and
-// for the pilot of caustics fall in proportion, down to MEASURED_LEAST of them. At .5 core seconds
-// (64x64) all of them left no time for photons in 68 of 143 random rooms. With a quarter and a
-// sixteenth of the paths, eight of such rooms and scenes had .32 and .20 times the error of path
-// tracing instead of 2.9 times; at 1 core second .14 and .15 instead of .36. With an eighth of the
-// pilot of caustics too, four rooms had .06 times instead of .18. Fewer paths for clusters gain
-// nothing there, and a room lit by a spot had 2.7 times the error with a quarter of them.
-static const double MEASURED_SECONDS = 4.0, MEASURED_LEAST = 1.0 / 16.0;
-// Through small openings, the paths for visibility fall below so many times fewer seconds: with 1
-// instead of 4, one of six images of a room with a hole of 10 cm had half of its direct light at 2
-// core seconds.
-static const double SMALL_LONGER = 4.0;
+// for the pilot of caustics fall in proportion, down to MEASURED_LEAST of them. In living-room and
+// bathroom (320x180, 4 CPU seconds) they take 1.1 and .55, and .75 for the pilot, and many pixels
+// have no sample. With a quarter of them relMSE is .25 instead of 1.6, and .44 instead of 10; at 10
+// CPU seconds it is .8 times that of all in living-room, at 20 the same. With a quarter and a tenth
+// scenes of caustics have .83 to 1.1 times the error at 4 and 8 s, and eight rooms and gardens .7
+// to 1.3 times the variance at 4 and 10, 1.0 in the mean. Fewer paths for clusters gain nothing,
+// and a room lit by a spot had 2.7 times the error with a quarter of them at half a second.
+static const double MEASURED_SECONDS = 20.0, MEASURED_LEAST = 1.0 / 16.0;
+// Through small openings, the paths for visibility fall below so many times fewer seconds: with
+// none of them from 2 core seconds on, one of six images of a room with a hole of 10 cm had half of
+// its direct light.
+static const double SMALL_LONGER = 20.0;
 
 // The light samples of an entry where a part of the environment is visible. With a time limit there
 // are fewer, down to SKY_LEAST, where all entries would take more than DIRECT_FRACTION of it. In a

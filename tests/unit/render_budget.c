@@ -160,12 +160,13 @@ static void a_short_limit_measures_less(void **state) {
     const satin_options o = {.photons = 3, .guide_clusters = true};
     const struct {
         double core_seconds, fraction;
-    } expected[] = {{0.0, 1.0}, {60.0, 1.0}, {4.0, 1.0}, {1.0, 0.25}, {0.01, 0.0625}};
+    } expected[] = {{0.0, 1.0}, {60.0, 1.0}, {20.0, 1.0}, {5.0, 0.25}, {0.01, 0.0625}};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
         const double seconds = expected[i].core_seconds, fraction = expected[i].fraction;
         assert_true(render_budget_paths(&o, seconds).emission == (int)(fraction * 32768.0));
         assert_true(render_budget_visibility(&o, seconds).paths == (int)(fraction * 4096.0));
     }
+    assert_int_equal(render_budget_visibility(&o, 1.0).paths_most, 4096);
 }
 
 static void rays_per_bin_grow_with_photons(void **state) {
