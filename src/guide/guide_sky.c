@@ -62,7 +62,20 @@ struct sky_learning {
     // If openings are small, for each bin whether it may be a part of one; and their number.
     bool *maybe;
     size_t maybes;
+    // For each cell the second moment of light that its bins leave, see guide_sky_fraction; 0: it
+    // sees nothing of the environment.
+    float moment[GUIDE_CELLS_MAX];
 };
+
+// In the open, where bins leave more than this of the moment of samples by radiance in the mean of
+// the cells, the environment is sampled by radiance alone, and photons are not aimed: both gain
+// little there, and take time. In gardens, around a house and below a pergola it is .80 to .94, and
+// the error without bins .66 to .97 of that with them at equal time. In a court with bushes it is
+// .57, in one that is all walls, whose image has .6 of the variance with bins, .44; in a hall whose
+// front is open .28, and in rooms .01 to .14. Cells whose bins leave less than CELL_MOMENT keep
+// them, as a room that is seen from outside does; the errors are the same.
+#define OPEN_MOMENT 0.75f
+#define CELL_MOMENT 0.5f
 
 // How many times as bright as its mean the environment counts at most. A sun much smaller than a
 // bin is left to samples by radiance, as few of the rays through its bins find it. In a court
@@ -290,7 +303,7 @@ static void mean_squares(void *ctx, size_t begin, size_t end, int worker) {
 // the solid angle of each point (light_product.c), the sum of the variances at all points of the
 // cell is least.
 static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
-    const struct sky_learning *l = ctx;
+    struct sky_learning *l = ctx;
     struct guide_visibility *visibility = l->visibility;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
@@ -313,8 +326,8 @@ static void build_bins(void *ctx, size_t begin, size_t end, int worker) {
         struct light_histogram *histogram = &visibility->histogram[i];
         struct rng rng = rng_make(l->seed, RNG_VISIBILITY, 2 * (l->cells + SKY_RANGES) + i);
         light_histogram_build(weight, 1.0f, &visibility->blocks, histogram);
-        histogram->fraction =
-            guide_sky_fraction(l->scene, &visibility->cells.cell[i], histogram, &rng);
+        histogram->fraction = guide_sky_fraction(l->scene, &visibility->cells.cell[i], histogram,
+                                                 &rng, &l->moment[i]);
     }
 }
 
@@ -357,6 +370,21 @@ static bool learn_sky(struct sky_learning *l, struct parallel *pool) {
     return parallel_for_results(pool, l->cells, 1, trace_cell_bins, l, &cells) &&
            parallel_for(pool, LIGHT_HISTOGRAM_BINS, BINS_CHUNK, mean_squares, l) &&
            parallel_for(pool, l->cells, BINS_CHUNK, build_bins, l);
+}
+
+// Whether the cells are in the open.
+static bool in_the_open(const struct sky_learning *l) {
+    float sum = 0.0f, count = 0.0f;
+    for (size_t i = 0; i < l->cells; i++) {
+        sum += l->moment[i];
+        count += l->moment[i] > 0.0f;
+    }
+    return count > 0.0f && sum > OPEN_MOMENT * count;
+}
+
+static void leave_to_radiance(struct sky_learning *l) {
+    for (size_t i = 0; i < l->cells; i++)
+        if (l->moment[i] > CELL_MOMENT) l->visibility->histogram[i].fraction = 0.0f;
 }
 
 // The number of ranges, a power of two as that of the cells.
@@ -404,7 +432,10 @@ satin_status guide_sky_learn(const struct satin_scene *scene, uint64_t seed,
     if (l.square && l.traced && l.entered && l.left && l.open && l.open_within && l.maybe) {
         const bool done = learn_bins(&l, pool) && (!visibility->sky || learn_sky(&l, pool));
         status = done ? SATIN_OK : SATIN_CANCELLED;
-        if (done) status = find_openings(&l, pool);
+        if (done && in_the_open(&l))
+            leave_to_radiance(&l);
+        else if (done)
+            status = find_openings(&l, pool);
     }
     free(l.square);
     free(l.traced);

@@ -47,7 +47,7 @@ static void add_to_moments(const struct satin_scene *scene, const struct guide_c
 }
 
 float guide_sky_fraction(const struct satin_scene *scene, const struct guide_cell *cell,
-                         const struct light_histogram *histogram, struct rng *rng) {
+                         const struct light_histogram *histogram, struct rng *rng, float *left) {
     float moment[FRACTION_STEPS] = {0.0f};
     const size_t first = rng_u32(rng) % cell->count;
     for (size_t i = 0; i < FRACTION_POINTS; i++) {
@@ -64,5 +64,6 @@ float guide_sky_fraction(const struct satin_scene *scene, const struct guide_cel
     int best = 0;
     for (int i = 1; i < FRACTION_STEPS; i++)
         if (moment[i] < moment[best]) best = i;
+    *left = moment[0] > 0.0f ? moment[best] / moment[0] : 0.0f;
     return fraction_of_step(best);
 }

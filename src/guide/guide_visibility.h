@@ -60,9 +60,10 @@ satin_status guide_sky_learn(const struct satin_scene *scene, uint64_t seed,
                              struct guide_visibility *visibility);
 // The fraction of the samples of the environment that the bins of a cell's histogram should draw,
 // in [0, .9], by a few samples at its points (guide_sky_fraction.c). The histogram's own must be >
-// 0.
+// 0. *left is set to the second moment of light with that, over that of samples by radiance
+// alone, in [0, 1]; or to 0, if none of the samples arrived.
 float guide_sky_fraction(const struct satin_scene *scene, const struct guide_cell *cell,
-                         const struct light_histogram *histogram, struct rng *rng);
+                         const struct light_histogram *histogram, struct rng *rng, float *left);
 // The most bytes that guide_sky_learn takes.
 double guide_sky_most(const struct satin_scene *scene);
 

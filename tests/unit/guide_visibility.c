@@ -186,14 +186,23 @@ static void samples_of_an_open_floor_go_to_the_sky(void **state) {
     end(&t, all);
 }
 
-// A court: a floor at y = -1 with walls of half its width, below a sky with a sun of four texels.
-static void guide_visibility_court(struct test_scene *t, const struct image *sky) {
-    struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = sky};
+// A court: a floor at y = -1 with walls of half its width, or with none, below a sky with a sun of
+// four texels.
+static void guide_visibility_court(struct test_scene *t, bool walls) {
+    enum { WIDTH = 512, HEIGHT = 256 };
+    static float texel[WIDTH * HEIGHT * 3];
+    static struct image sky;
+    for (size_t i = 0; i < WIDTH * HEIGHT * 3; i++) {
+        const size_t row = i / 3 / WIDTH, column = i / 3 % WIDTH;
+        texel[i] = row / 2 == 32 && column / 2 == 40 ? 3e4f : 0.3f;
+    }
+    sky = scene_image_make(WIDTH, HEIGHT, 3, texel);
+    struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = &sky};
     light.to_world = light.to_local = mat4_identity();
     test_scene_init(t);
     const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
     test_cube(t, test_transform(v3(0, -1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
-    for (int side = -1; side <= 1; side += 2) {
+    for (int side = -1; walls && side <= 1; side += 2) {
         const float at = 1.05f * (float)side;
         test_cube(t, test_transform(v3(at, -0.5f, 0), v3(0.05f, 0.5f, 1.1f)), false, grey);
         test_cube(t, test_transform(v3(0, -0.5f, at), v3(1.1f, 0.5f, 0.05f)), false, grey);
@@ -230,15 +239,9 @@ static double guide_visibility_variance(const struct test_scene *t,
 // where it is visible, but where it is hidden they are. On the floor both occur.
 static void a_sun_smaller_than_a_bin_is_left_to_radiance(void **state) {
     (void)state;
-    enum { WIDTH = 512, HEIGHT = 256, POINTS = 64 };
-    static float texel[WIDTH * HEIGHT * 3];
-    for (size_t i = 0; i < WIDTH * HEIGHT * 3; i++) {
-        const size_t row = i / 3 / WIDTH, column = i / 3 % WIDTH;
-        texel[i] = row / 2 == 32 && column / 2 == 40 ? 3e4f : 0.3f;
-    }
-    const struct image sky = scene_image_make(WIDTH, HEIGHT, 3, texel);
+    enum { POINTS = 64 };
     struct test_scene t;
-    guide_visibility_court(&t, &sky);
+    guide_visibility_court(&t, true);
     struct guide_visibility *all = guide_visibility_look(&t, 2, BIN_RAYS);
     double blind[2] = {0.0}, guided[2] = {0.0};
     for (int i = 0; i < POINTS; i++) {
@@ -252,6 +255,21 @@ static void a_sun_smaller_than_a_bin_is_left_to_radiance(void **state) {
                   guided[1], blind[1]);
     assert_true(guided[0] < 1.2 * blind[0] && guided[1] < 0.1 * blind[1]);
     end(&t, all);
+}
+
+// Without walls bins gain nothing beside samples by radiance, and photons are not aimed.
+static void bins_are_not_used_in_the_open(void **state) {
+    (void)state;
+    for (int walls = 0; walls < 2; walls++) {
+        struct test_scene t;
+        guide_visibility_court(&t, walls);
+        struct guide_visibility *all = guide_visibility_look(&t, 2, BIN_RAYS);
+        struct light_product product;
+        const struct light_receiver at = {v3(0, -1, 0), v3(0, 1, 0), false};
+        assert_true(!guide_visibility_at(all, &at, &product).product == !walls);
+        assert_true(!guide_visibility_aim(all) == !walls);
+        end(&t, all);
+    }
 }
 
 static void without_a_sky_there_is_no_histogram(void **state) {
@@ -311,6 +329,7 @@ int main(void) {
         cmocka_unit_test(rays_of_other_cells_find_what_those_of_one_miss),
         cmocka_unit_test(samples_of_an_open_floor_go_to_the_sky),
         cmocka_unit_test(a_sun_smaller_than_a_bin_is_left_to_radiance),
+        cmocka_unit_test(bins_are_not_used_in_the_open),
         cmocka_unit_test(without_a_sky_there_is_no_histogram),
         cmocka_unit_test(lamps_behind_walls_are_hardly_chosen),
         cmocka_unit_test(threads_do_not_change_visibility),
