@@ -106,8 +106,8 @@ enum {
 // and a room lit by a spot had 2.7 times the error with a quarter of them at half a second.
 static const double MEASURED_SECONDS = 20.0, MEASURED_LEAST = 1.0 / 16.0;
 // Through small openings, the paths for visibility fall below so many times fewer seconds: with
-// none of them from 2 core seconds on, one of six images of a room with a hole of 10 cm had half of
-// its direct light.
+// half of them at 2 core seconds, one of six images of a room with a hole of 10 cm had half of its
+// direct light.
 static const double SMALL_LONGER = 20.0;
 
 // The light samples of an entry where a part of the environment is visible. With a time limit there
