@@ -33,17 +33,19 @@ enum {
     ADAPTIVE_COLUMNS = 16  // a line of the processor's cache, in floats
 };
 
-bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height, int direct) {
+bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height, int direct,
+                          int gathers) {
     size_t n = (size_t)width * (size_t)height;
     *adapt = (struct adaptive_sampling){.width = width, .height = height};
     adapt->pixel = array_new(n, sizeof *adapt->pixel);
-    adapt->scratch = array_new(4 * n, sizeof *adapt->scratch);
+    adapt->scratch = array_new(5 * n, sizeof *adapt->scratch);
     adapt->sum = array_new(n / ADAPTIVE_CHUNK + 1, sizeof *adapt->sum);
     if (adapt->pixel && adapt->scratch && adapt->sum) {
         for (size_t i = 0; i < n; i++)
             adapt->pixel[i] = (struct adaptive_pixel){.variance = -1.0f,
                                                       .light = {.next = (uint32_t)direct},
-                                                      .lobe = {.next = (uint32_t)direct}};
+                                                      .lobe = {.next = (uint32_t)direct},
+                                                      .gather = {.next = (uint32_t)gathers}};
         return true;
     }
     render_adaptive_destroy(adapt);
@@ -70,6 +72,7 @@ struct adapting {
     double floor2, fraction;
     size_t stride;
     uint32_t count;
+    bool gathers;
 };
 
 static void each_chunk(const struct adaptive_sampling *adapt, parallel_fn fn,
@@ -311,6 +314,36 @@ void render_adaptive_distribute(struct adaptive_sampling *adapt, uint64_t sample
     last->target += (uint32_t)(samples - given);
 }
 
+// ---- Counts of a sample -------------------------------------------------------------------------
+
+static void add_direct_samples(struct adaptive_direct *direct, float variance) {
+    direct->variance += variance;
+    direct->taken += direct->next;
+}
+
+static void add_gathers(struct adaptive_gathers *gather, const struct shade_sample *sample) {
+    if (!sample->gathers) return;
+    if (gather->next > 1) {
+        gather->variance += sample->gather_variance;
+        gather->known++;
+    }
+    gather->samples++;
+    gather->taken += gather->next;
+}
+
+void render_adaptive_add(struct adaptive_pixel *pixel, const struct shade_sample *sample) {
+    static const struct shade_sample black;
+    const struct shade_sample *s = shade_sample_finite(sample) ? sample : &black;
+    // Lights seen directly have rays of their own (render_rims.c).
+    const rgb value = rgb_sub(s->beauty, s->layer[SHADE_EMISSION]);
+    pixel->sum = rgb_add(pixel->sum, value);
+    pixel->squares += sqrf(rgb_luminance(value));
+    add_direct_samples(&pixel->light, s->light_variance);
+    add_direct_samples(&pixel->lobe, s->lobe_variance);
+    add_gathers(&pixel->gather, s);
+    pixel->count++;
+}
+
 // The mean variance by one sample of direct light.
 static float variance_by_one(const struct adaptive_direct *direct, float count) {
     return direct->variance / fmaxf(count, 1.0f);
@@ -321,65 +354,104 @@ static float variance_of_all(const struct adaptive_direct *direct, float count) 
     return variance_by_one(direct, count) * count / fmaxf((float)direct->taken, count);
 }
 
+// The mean variance by one gather ray in samples that gather; < 0: unknown.
+static float variance_by_ray(const struct adaptive_gathers *gather) {
+    return gather->known ? gather->variance / (float)gather->known : -1.0f;
+}
+
+// That of any sample, 0 if it is unknown.
+static float variance_of_rays(const struct adaptive_gathers *gather, float count) {
+    if (!gather->known) return 0.0f;
+    const float samples = (float)gather->samples;
+    return variance_by_ray(gather) * samples / (float)gather->taken * (samples / count);
+}
+
+// The parts of a pixel's variance, image by image in scratch; < 0: unknown.
+struct variances {
+    float *light, *lobe, *gather;  // by one of them
+    float *rest;                   // of a sample, from all else
+};
+
+static struct variances variances_of(const struct adaptive_sampling *adapt) {
+    const size_t n = pixels(adapt);
+    float *from = adapt->scratch;
+    return (struct variances){from, from + n, from + 2 * n, from + 3 * n};
+}
+
 static void find_variances(void *ctx, size_t begin, size_t end, int worker) {
     const struct adapting *loop = ctx;
-    const size_t n = pixels(loop->adapt);
-    float *light = loop->to, *lobe = light + n, *rest = lobe + n;
+    const struct variances v = variances_of(loop->adapt);
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const struct adaptive_pixel *p = &loop->adapt->pixel[i];
         const float count = (float)p->count;
         const float mean = rgb_luminance(p->sum) / fmaxf(count, 1.0f);
         const float all = (p->squares - count * sqrf(mean)) / fmaxf(count - 1.0f, 1.0f);
-        light[i] = variance_by_one(&p->light, count);
-        lobe[i] = variance_by_one(&p->lobe, count);
-        rest[i] = all - variance_of_all(&p->light, count) - variance_of_all(&p->lobe, count);
-        const bool known =
-            p->count > 1 && isfinite(light[i]) && isfinite(lobe[i]) && isfinite(rest[i]);
-        light[i] = known ? light[i] : -1.0f;  // ignored
-        lobe[i] = known ? lobe[i] : -1.0f;
-        rest[i] = known ? fmaxf(rest[i], 0.0f) : -1.0f;
+        const float direct = variance_of_all(&p->light, count) + variance_of_all(&p->lobe, count);
+        const float gathered = loop->gathers ? variance_of_rays(&p->gather, count) : 0.0f;
+        v.light[i] = variance_by_one(&p->light, count);
+        v.lobe[i] = variance_by_one(&p->lobe, count);
+        v.gather[i] = variance_by_ray(&p->gather);
+        v.rest[i] = all - direct - gathered;
+        const bool known = p->count > 1 && isfinite(v.light[i]) && isfinite(v.lobe[i]) &&
+                           isfinite(v.gather[i]) && isfinite(v.rest[i]);
+        v.light[i] = known ? v.light[i] : -1.0f;
+        v.lobe[i] = known ? v.lobe[i] : -1.0f;
+        v.gather[i] = known ? v.gather[i] : -1.0f;
+        v.rest[i] = known ? fmaxf(v.rest[i], 0.0f) : -1.0f;
     }
 }
 
-// The number with the least variance for its cost; at least two, or nothing would be known of the
-// variance by one of the next samples.
-static uint32_t best_count(float variance, float rest, float cost) {
-    const float m = powf(DIRECT_MORE * variance * cost / fmaxf(rest, 1e-30f), 1.0f / (1.0f + GAIN));
+// The number with the least variance for its cost.
+static float best_count(float variance, float rest, float cost) {
+    return powf(variance * cost / fmaxf(rest, 1e-30f), 1.0f / (1.0f + GAIN));
+}
+
+// At least two, or nothing would be known of the variance by one of the next samples.
+static uint32_t best_direct(float variance, float rest, float cost) {
+    const float m = best_count(DIRECT_MORE * variance, rest, cost);
     return (uint32_t)clampf(m, 2.0f, RENDER_LIGHT_SAMPLES_MOST);
 }
 
-static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
+static void set_counts(void *ctx, size_t begin, size_t end, int worker) {
     const struct adapting *loop = ctx;
-    const size_t n = pixels(loop->adapt);
-    const float *light = loop->from, *lobe = light + n, *rest = lobe + n;
+    const struct variances v = variances_of(loop->adapt);
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct adaptive_pixel *p = &loop->adapt->pixel[i];
-        if (light[i] < 0.0f) continue;  // nothing is known
-        p->light.next = best_count(light[i], rest[i], loop->factor);
-        p->lobe.next = best_count(lobe[i], rest[i], loop->factor);
+        if (v.light[i] < 0.0f) continue;  // nothing is known
+        p->light.next = best_direct(v.light[i], v.rest[i], loop->factor);
+        p->lobe.next = best_direct(v.lobe[i], v.rest[i], loop->factor);
+        if (!loop->gathers || v.gather[i] < 0.0f) continue;
+        const float rays = best_count(v.gather[i], v.rest[i], loop->factor / RENDER_GATHER_COST);
+        p->gather.next = (uint32_t)clampf(rays + 0.5f, 1.0f, RENDER_GATHERS_MOST);
     }
 }
 
 // With m light samples of variance v each, b BRDF samples of variance u, and w the variance of a
 // sample from all other sources, n samples have the variance w n^-GAIN + v (n m)^-GAIN + u (n
 // b)^-GAIN and cost n (cost + m + b). The least variance for its cost is at m = (v cost / w)^(1 /
-// (1 + GAIN)), and b likewise; v and u are taken DIRECT_MORE times.
-void render_adaptive_lights(struct adaptive_sampling *adapt, float cost) {
-    const size_t n = pixels(adapt);
-    float *light = adapt->scratch, *lobe = light + n, *rest = lobe + n, *other = rest + n;
-    struct adapting loop = {.adapt = adapt, .from = light, .to = light, .factor = cost};
+// (1 + GAIN)), and b likewise; v and u are taken DIRECT_MORE times. Gather rays are a further part,
+// of another cost.
+void render_adaptive_counts(struct adaptive_sampling *adapt, float cost, bool gathers) {
+    const struct variances v = variances_of(adapt);
+    float *other = adapt->scratch + 4 * pixels(adapt);
+    struct adapting loop = {.adapt = adapt, .factor = cost, .gathers = gathers};
     each_chunk(adapt, find_variances, &loop);
-    blur_image(adapt, light, other);
-    blur_image(adapt, lobe, other);
-    blur_image(adapt, rest, other);
-    each_chunk(adapt, set_lights, &loop);
+    blur_image(adapt, v.light, other);
+    blur_image(adapt, v.lobe, other);
+    blur_image(adapt, v.gather, other);
+    blur_image(adapt, v.rest, other);
+    each_chunk(adapt, set_counts, &loop);
 }
 
 void render_adaptive_direct(struct adaptive_sampling *adapt, uint32_t count) {
     for (size_t i = 0; i < pixels(adapt); i++)
         adapt->pixel[i].light.next = adapt->pixel[i].lobe.next = count;
+}
+
+void render_adaptive_gathers(struct adaptive_sampling *adapt, uint32_t count) {
+    for (size_t i = 0; i < pixels(adapt); i++) adapt->pixel[i].gather.next = count;
 }
 
 double render_adaptive_light_samples(const struct adaptive_sampling *adapt) {

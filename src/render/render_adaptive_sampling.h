@@ -7,12 +7,22 @@
 
 #include "base/parallel.h"
 #include "base/vec.h"
+#include "shade/shade.h"
 
 // Samples of direct light in the samples of one pixel.
 struct adaptive_direct {
     float variance;  // sum of the samples' variances by one of them
     uint32_t next;   // in the next sample
     uint32_t taken;  // in all samples
+};
+
+// Gather rays in the samples of one pixel that meet no record.
+struct adaptive_gathers {
+    float variance;    // sum of the variances by one ray, of the samples with more than one
+    uint32_t known;    // the number of these samples
+    uint32_t samples;  // that of all that gather
+    uint32_t next;     // rays in the next sample
+    uint32_t taken;    // in all samples
 };
 
 // Statistics of one pixel's samples.
@@ -24,33 +34,31 @@ struct adaptive_pixel {
     float squares;                 // sum of the squares of the samples' luminances
     struct adaptive_direct light;  // light samples
     struct adaptive_direct lobe;   // BRDF samples of a glossy lobe
+    struct adaptive_gathers gather;
 };
 
 struct adaptive_sampling {
     int width, height;
     struct adaptive_pixel *pixel;  // row by row
-    float *scratch;                // 4 floats per pixel
+    float *scratch;                // 5 floats per pixel
     double *sum;                   // by chunk of pixels
     struct parallel *pool;         // of the caller, which sets it; NULL: one thread
 };
 
 // False if there is no memory. `direct` is the number of samples of direct light of either kind in
-// the first samples.
-bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height, int direct);
+// the first samples, `gathers` that of gather rays.
+bool render_adaptive_make(struct adaptive_sampling *adapt, int width, int height, int direct,
+                          int gathers);
 void render_adaptive_destroy(struct adaptive_sampling *adapt);  // a zeroed one is allowed
 
-static inline void render_adaptive_add_direct(struct adaptive_direct *direct, float variance) {
-    direct->variance += variance;
-    direct->taken += direct->next;
+// What the next sample of a pixel takes.
+static inline struct shade_sample_counts render_adaptive_next(const struct adaptive_pixel *pixel) {
+    return (struct shade_sample_counts){{(int)pixel->light.next, pixel->light.taken},
+                                        {(int)pixel->lobe.next, pixel->lobe.taken},
+                                        {(int)pixel->gather.next, pixel->gather.taken}};
 }
-static inline void render_adaptive_add(struct adaptive_pixel *pixel, rgb value,
-                                       float light_variance, float lobe_variance) {
-    pixel->sum = rgb_add(pixel->sum, value);
-    pixel->squares += sqrf(rgb_luminance(value));
-    render_adaptive_add_direct(&pixel->light, light_variance);
-    render_adaptive_add_direct(&pixel->lobe, lobe_variance);
-    pixel->count++;
-}
+// Adds that sample; one that is not finite counts as black.
+void render_adaptive_add(struct adaptive_pixel *pixel, const struct shade_sample *sample);
 
 // To be called after a pass: compares each pixel's new samples with those before.
 void render_adaptive_compare(struct adaptive_sampling *adapt);
@@ -69,10 +77,12 @@ void render_adaptive_distribute(struct adaptive_sampling *adapt, uint64_t sample
 // distributed by render_adaptive_distribute. Of n samples it is this over n^1.5.
 double render_adaptive_variance(struct adaptive_sampling *adapt);
 // To be called after a pass: sets the numbers of samples of direct light in each pixel's next
-// samples. `cost` is the cost of a sample without them, over that of one of them.
-void render_adaptive_lights(struct adaptive_sampling *adapt, float cost);
-// Sets those of all pixels to `count`.
+// samples, and with `gathers` that of gather rays. `cost` is the cost of a sample without them,
+// over that of a light sample.
+void render_adaptive_counts(struct adaptive_sampling *adapt, float cost, bool gathers);
+// Sets those of direct light, or of gather rays, of all pixels to `count`.
 void render_adaptive_direct(struct adaptive_sampling *adapt, uint32_t count);
+void render_adaptive_gathers(struct adaptive_sampling *adapt, uint32_t count);
 // The mean number of light samples of a sample.
 double render_adaptive_light_samples(const struct adaptive_sampling *adapt);
 

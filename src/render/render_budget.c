@@ -79,9 +79,6 @@ enum {
     FIRST_STRIDE = 16,   // least distance of the pixels with the very first samples
     FIRST_MOST = 256,  // largest number of those pixels, so that an image of any size has its first
                        // samples after a moment; finer pixels follow until the time is over
-    MISSING_RAYS = 8,  // of one sample where no record is near, without a time limit
-    MISSING_TIMED = 4,          // with one, at most
-    MISSING_SAMPLES = 8,        // samples of a pixel for each of them
     HEMISPHERE_RAYS_LEAST = 8,  // of one sample where a cache is off
     // Rays of one pixel at a rim, a power of two: whole nets. Just beyond the edge of a lamp the
     // filter's tail sees some thousandths of it, which light the pixel as much as all else: with
@@ -418,35 +415,39 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
     return o->integrator == SATIN_SPPM ? want - want % pixels : want;
 }
 
-// With a short time limit a sample has one ray, because more samples of the pixel gain more than
-// more rays of a sample: with two, living-room and veach-ajar (320x180) have 1.12 and 1.15 times
-// the error at 4 CPU seconds. With a longer one it has more, as direct light takes the most time:
-// .97 and .93 at 10 CPU seconds. Four rays leave .80 of the error among leaves (160x120, 16 CPU
-// seconds) and are as good as two in living-room at 30. The standard deviation of light along one
-// ray of a hemisphere is about its mean. With a time limit it is that of one ray per sample,
-// however many it has: were it lower, fewer records would be interpolated, and a caustic has 1.3
-// times the variance. Where a cache is off, the rays of a record are distributed over the samples
-// of the pixel.
+int render_budget_first_gathers(const satin_options *o) {
+    return o->time > 0.0 ? 1 : RENDER_GATHERS_MOST;
+}
+
+// Where at least GATHERS_SPP samples per pixel fit, the first ones show the noise of gather rays,
+// by two of them. Where fewer do, more samples gain more than more rays of a sample.
+static const double GATHERS_SPP = 2.0;
+
+uint32_t render_budget_gathers(const struct render *r, double sample_seconds) {
+    const double pixels = (double)r->options.width * (double)r->options.height;
+    return render_budget_left(r) / sample_seconds < GATHERS_SPP * pixels ? 1 : 2;
+}
+
+// The standard deviation of light along one ray of a hemisphere is about its mean. With a time
+// limit it is that of one ray per sample, however many it has: were it lower, fewer records would
+// be interpolated, and a caustic has 1.3 times the variance. Where a cache is off, the rays of a
+// record are distributed over the samples of the pixel.
 struct shade_missing render_budget_missing(const satin_options *o, double core_seconds) {
     const int spp = o->spp > 1 ? o->spp : 1;
     const double pixels = (double)o->width * (double)o->height;
     const double timed = fmax(CORE_SECOND_SAMPLES * core_seconds / pixels, 1.0);
-    const double samples = o->time > 0.0 ? timed : (double)spp;
-    const double fit = fmin(fmax(timed / MISSING_SAMPLES, 1.0), MISSING_TIMED);
-    const int rays = o->time > 0.0 ? (int)fit : MISSING_RAYS;
-    const double rays_of_pixel = o->time > 0.0 ? samples : rays * samples;
+    const double rays = o->time > 0.0 ? timed : (double)spp * render_budget_first_gathers(o);
     const int hemisphere = o->irradiance_rays / spp;
     return (struct shade_missing){
-        .rays = rays,
         .hemisphere = hemisphere > HEMISPHERE_RAYS_LEAST ? hemisphere : HEMISPHERE_RAYS_LEAST,
-        .deviation = 1.0f / sqrtf((float)rays_of_pixel)};
+        .deviation = 1.0f / sqrtf((float)rays)};
 }
 
-// About four for the eye ray and its surface, two for interpolated light, six for a gather ray with
-// its lookups.
-float render_budget_sample_cost(const struct shade_counts *c) {
-    const double work =
-        4.0 * (double)c->points + 2.0 * (double)c->interpolated + 6.0 * (double)c->rays;
+// About four for the eye ray and its surface, and two for interpolated light.
+float render_budget_sample_cost(const struct shade_counts *c, bool gathers) {
+    const uint64_t rays = c->rays - (gathers ? c->missing_rays : 0);
+    const double work = 4.0 * (double)c->points + 2.0 * (double)c->interpolated +
+                        (double)RENDER_GATHER_COST * (double)rays;
     return c->samples ? (float)(work / (double)c->samples) : 1.0f;
 }
 

@@ -247,6 +247,11 @@ int render_budget_first_stride(int width, int height);
 // The light samples of each of the first samples, if one with those of the options takes so many
 // seconds.
 uint32_t render_budget_lights(const struct render *r, double sample_seconds);
+// The gather rays of the very first samples where no record is near; all samples have as many
+// without a time limit.
+int render_budget_first_gathers(const satin_options *options);
+// The gather rays of the other first samples with a time limit, if a sample takes so many seconds.
+uint32_t render_budget_gathers(const struct render *r, double sample_seconds);
 // Samples per pixel that are distributed equally.
 uint32_t render_budget_equal_samples(const satin_options *options);
 // The number of samples of all pixels in the next pass, after `done` samples, if one takes
@@ -257,8 +262,9 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
 // How samples gather where no record is near; `core_seconds` as render_core_seconds.
 struct shade_missing render_budget_missing(const satin_options *options, double core_seconds);
 // The cost of a sample without light samples, over that of a light sample, by the counts of all
-// samples so far. Each pixel divides its time between both by it.
-float render_budget_sample_cost(const struct shade_counts *counts);
+// samples so far. Each pixel divides its time between both by it. With `gathers` also without the
+// gather rays where no record is near, as pixels choose their number too.
+float render_budget_sample_cost(const struct shade_counts *counts, bool gathers);
 // What is known of the pixels at rims.
 struct render_rim_rays {
     double fraction;  // of all pixels
@@ -276,6 +282,9 @@ enum { RENDER_GROWTH_LEAST = 4, RENDER_GROWTH_MOST = 16 };
 // The largest number of light samples per sample: beyond it they dominate the cost, and are
 // stratified well enough.
 enum { RENDER_LIGHT_SAMPLES_MOST = 16 };
+// That of gather rays where no record is near, and the cost of one with its lookups, over that of a
+// light sample.
+enum { RENDER_GATHERS_MOST = 8, RENDER_GATHER_COST = 6 };
 // The seconds between two states of the image in a checkpoint, unless the caller gives them: the
 // most that an interruption costs. Writing that of 1920x1080 pixels, 431 MB, takes .9 CPU seconds
 // and 1.6 s with the disk, so 60 cost 1.5 to 3 % of such a render, and 10 would cost 9 to 16 %.

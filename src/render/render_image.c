@@ -66,7 +66,8 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     if (ok) ok = render_cryptomatte_make(&image->cryptomatte, scene, options);
     if (ok && options->denoise) ok = render_denoise_memory(image);
     if (ok && render_noise_filter_on(options)) ok = render_noise_memory(image);
-    if (ok && render_adaptive_make(&image->adapt, width, height, options->light_samples))
+    if (ok && render_adaptive_make(&image->adapt, width, height, options->light_samples,
+                                   render_budget_first_gathers(options)))
         return image;
     render_image_free(image);
     return NULL;
@@ -147,7 +148,9 @@ static void plan_samples(struct render *r) {
     render_adaptive_compare(&r->image->adapt);
     const satin_options *o = &r->options;
     if (o->integrator != SATIN_TWO_PASS || !o->adaptive_sampling) return;
-    render_adaptive_lights(&r->image->adapt, render_budget_sample_cost(&r->image->counts));
+    const bool gathers = o->time > 0.0;
+    render_adaptive_counts(&r->image->adapt, render_budget_sample_cost(&r->image->counts, gathers),
+                           gathers);
 }
 
 // The number of pixels that a coarse pass with this stride samples, with those before.
@@ -157,13 +160,14 @@ static uint64_t coarse_pixels(const struct render_image *image, int stride) {
 }
 
 // Where little time is left, by that of the coarse pass with this stride, the first samples have
-// fewer light samples.
-static void plan_first_lights(struct render *r, int stride, double seconds) {
+// fewer light samples, and where much is left, more gather rays.
+static void plan_first_counts(struct render *r, int stride, double seconds) {
     struct render_image *image = r->image;
     const uint64_t samples = coarse_pixels(image, stride) - coarse_pixels(image, 2 * stride);
     const double each = fmax(seconds / (double)samples, 1e-9);
     if (!r->second_pass.lights_chosen)
         render_adaptive_direct(&image->adapt, render_budget_lights(r, each));
+    render_adaptive_gathers(&image->adapt, render_budget_gathers(r, each));
 }
 
 // Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
@@ -183,7 +187,7 @@ static bool take_first_samples(struct image_pass *pass) {
         render_limit_restore(r, limit);
         const double seconds = render_agreed(r, stats_wall() - start);
         if (whole && r->options.time > 0.0 && stride == r->image->coarsest / LIGHTS_STRIDE)
-            plan_first_lights(r, stride, seconds);
+            plan_first_counts(r, stride, seconds);
         if (!short_of_time) break;
     }
     if (short_of_time && whole)

@@ -42,12 +42,6 @@ bool render_pass_make(struct image_pass *pass, struct render *r) {
 
 // ---- Samples ------------------------------------------------------------------------------------
 
-// The light by which the noise of a sample is measured. Lights seen directly have rays of their own
-// (render_rims.c).
-static rgb shown_light(const struct shade_sample *s) {
-    return rgb_sub(s->beauty, s->layer[SHADE_EMISSION]);
-}
-
 // False if the sample was not finite and was dropped.
 static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) {
     if (!shade_sample_finite(s)) {
@@ -103,10 +97,8 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
     shade_pixel_begin(&worker->shade);
     while (adapt->count < adapt->target) {
         struct shade_sample sample;
-        const struct shade_direct_samples samples = {{(int)adapt->light.next, adapt->light.taken},
-                                                     {(int)adapt->lobe.next, adapt->lobe.taken}};
-        shade_pixel(&pass->r->second_pass.shade, &worker->shade, x, y, adapt->count, samples,
-                    &sample);
+        shade_pixel(&pass->r->second_pass.shade, &worker->shade, x, y, adapt->count,
+                    render_adaptive_next(adapt), &sample);
         if (parallel_stopped(pool)) return false;  // it may be incomplete
         sample.weight =
             render_usable_weight(image->pixel[at].weight, image->pixel[at].samples, sample.weight);
@@ -119,9 +111,7 @@ static bool sample_pixel(const struct image_pass *pass, int x, int y, struct ima
             render_noise_add(&image->noisy_light[at], x + y + (int)adapt->count, &sample);
         if (finite && image->uncached)
             add_uncached(&image->uncached[at], x + y + (int)adapt->count, &sample);
-        render_adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
-                            finite ? sample.light_variance : 0.0f,
-                            finite ? sample.lobe_variance : 0.0f);
+        render_adaptive_add(adapt, &sample);
         render_tile_yield(image, worker->tile, number);
         // A late pass takes thousands of samples of every pixel.
         if (++worker->samples % ASK_SAMPLES == 0 && parallel_cancelled(pool, number)) return false;

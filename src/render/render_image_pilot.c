@@ -43,14 +43,10 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
         shade_pixel_begin(&pilot->worker[worker]);
         while (pixel->count < pixel->target) {
             struct shade_sample s;
-            const struct gather_light_samples direct = {o->light_samples, pixel->light.taken};
             shade_pixel(&pilot->r->second_pass.shade, &pilot->worker[worker], x, y, pixel->count,
-                        (struct shade_direct_samples){direct, direct}, &s);
-            const bool finite = shade_sample_finite(&s);
-            rgb light = finite ? rgb_sub(s.beauty, s.layer[SHADE_EMISSION]) : rgb_grey(0.0f);
-            render_adaptive_add(pixel, light, finite ? s.light_variance : 0.0f,
-                                finite ? s.lobe_variance : 0.0f);
-            if (finite) add_to_pixel(&pilot->pixel[i], &s);
+                        render_adaptive_next(pixel), &s);
+            render_adaptive_add(pixel, &s);
+            if (shade_sample_finite(&s)) add_to_pixel(&pilot->pixel[i], &s);
         }
     }
 }
@@ -96,7 +92,8 @@ static bool pilot_make(struct image_pilot *pilot, struct render *r, int side) {
     pilot->pixel = array_new((size_t)columns * (size_t)rows, sizeof *pilot->pixel);
     if (!pilot->worker || !pilot->pixel) return false;
     for (int i = 0; i < workers; i++) pilot->worker[i].gather = r->second_pass.shade.worker[i];
-    return render_adaptive_make(&pilot->adapt, columns, rows, r->options.light_samples);
+    return render_adaptive_make(&pilot->adapt, columns, rows, r->options.light_samples,
+                                render_budget_first_gathers(&r->options));
 }
 
 static void pilot_destroy(struct image_pilot *pilot) {

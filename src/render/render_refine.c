@@ -80,8 +80,9 @@ static void sample_pilot(void *ctx, size_t begin, size_t end, int worker) {
         if (!shade_look_up(&shade, x, y, (uint32_t)at, &lookup)) continue;
         shade_tile_begin(w);
         shade_pixel_begin(w);
-        shade_pixel(&shade, w, x, y, (uint32_t)at, (struct shade_direct_samples){direct, direct},
-                    &eye);
+        const struct gather_light_samples gather = {render_budget_first_gathers(pilot->image), 0};
+        shade_pixel(&shade, w, x, y, (uint32_t)at,
+                    (struct shade_sample_counts){direct, direct, gather}, &eye);
         *out = (struct refine_sample){fmaxf(rgb_luminance(eye.beauty), lookup.Y), lookup.Y,
                                       lookup.read.common, lookup.read.entry};
     }

@@ -92,7 +92,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
 }
 
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
-                 uint32_t index, struct shade_direct_samples samples, struct shade_sample *out) {
+                 uint32_t index, struct shade_sample_counts samples, struct shade_sample *out) {
     const satin_options *o = shade->g->options;
     *out = (struct shade_sample){0};
     worker->counts.samples++;

@@ -58,6 +58,8 @@ struct shade_sample {
     float record;            // 1: a record is within a pixel; only with record_maps
     float light_variance;    // variance of the luminance of direct light by one light sample
     float lobe_variance;     // the same by one BRDF sample of a glossy lobe
+    float gather_variance;   // of indirect light by one gather ray, where no record is near
+    uint32_t gathers;        // the number of these points
     uint32_t shape;          // index of the first surface's shape, counted from 1; 0: none
     uint32_t instance;       // of the instance that shows it, likewise
     float weight;            // weight of the sample in the film's filter
@@ -75,7 +77,6 @@ static inline bool shade_sample_finite(const struct shade_sample *s) {
 
 // Gathering by samples where no record is near, or where records are too large.
 struct shade_missing {
-    int rays;         // of one sample
     int hemisphere;   // rays of one sample over the whole hemisphere, where a cache is off
     float deviation;  // relative standard deviation of the mean of a pixel's samples
 };
@@ -95,14 +96,13 @@ struct shade {
 
 // Pixels are seen through the camera of the scene, until `camera` is set to another one. Samples
 // interpolate between the records of the cache; without a cache each of them gathers.
-// `missing.rays` is at least 1 and at most SATIN_GLOSSY_SAMPLES_MAX.
 satin_status shade_init(struct shade *shade, const struct gather *g, struct cache_reader records,
                         struct shade_missing missing, struct parallel *pool);
 void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
 // Counts of a chunk of samples, which the caller adds up.
 struct shade_counts {
-    uint64_t samples, points, interpolated, records_used, gathered, rays;
+    uint64_t samples, points, interpolated, records_used, gathered, missing_rays, rays;
 };
 
 static inline void shade_counts_add(struct shade_counts *sum, const struct shade_counts *more) {
@@ -111,6 +111,7 @@ static inline void shade_counts_add(struct shade_counts *sum, const struct shade
     sum->interpolated += more->interpolated;
     sum->records_used += more->records_used;
     sum->gathered += more->gathered;
+    sum->missing_rays += more->missing_rays;
     sum->rays += more->rays;
 }
 
@@ -149,15 +150,15 @@ static inline void shade_tile_begin(struct shade_worker *worker) {
 static inline void shade_pixel_begin(struct shade_worker *worker) {
     worker->pixel_cache.count = worker->pixel_cache.next = 0;
 }
-// Samples of direct light at each point of an eye path: light samples, and BRDF samples of a glossy
-// lobe that find lights.
-struct shade_direct_samples {
-    struct gather_light_samples light, lobe;
+// What a sample takes at each point of an eye path: light samples, BRDF samples of a glossy lobe
+// that find lights, and gather rays where no record is near (1 to SATIN_GLOSSY_SAMPLES_MAX).
+struct shade_sample_counts {
+    struct gather_light_samples light, lobe, gather;
 };
 // Computes sample number `index` of pixel (x, y) of the crop window; `path` uses one light sample
 // at each point.
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
-                 uint32_t index, struct shade_direct_samples samples, struct shade_sample *out);
+                 uint32_t index, struct shade_sample_counts samples, struct shade_sample *out);
 
 // The emitted light alone that is seen by eye ray number `index` of pixel (x, y), from a separate
 // sequence of rays. *weight as of a sample.

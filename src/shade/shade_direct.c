@@ -49,7 +49,7 @@ static float add_brdf_samples(struct shade_lighting *lighting, unsigned lobes, i
 int shade_direct(struct shade_lighting *lighting, unsigned sampled, int rays) {
     const struct gather *g = lighting->shade->g;
     const struct shading_point *p = &lighting->vertex->point;
-    const struct shade_direct_samples samples = lighting->samples;
+    const struct shade_sample_counts samples = lighting->samples;
     const int lights = samples.light.count;
     const int of_glossy = g->rays_find_lights ? samples.lobe.count : 0;
     const int of_sampled = of_glossy > rays ? of_glossy : rays;

@@ -93,9 +93,10 @@ enum { MISSING_DIMENSION = 16 };  // of the sampler, beyond those of sampled lob
 struct lobe_sampling {
     struct gather_single_clusters *clusters;  // at which rays and bounces are aimed, or NULL
     unsigned lobes;
-    int count;    // number of rays
-    int finding;  // number of BRDF samples of the lobes that find lights, these rays and others;
-                  // 0: rays do not find lights
+    int count;       // number of rays
+    int finding;     // number of BRDF samples of the lobes that find lights, these rays and others;
+                     // 0: rays do not find lights
+    uint32_t first;  // index of the first ray among those of the pixel
     uint32_t dimension;  // of the sampler, added to that of the lighting
     uint64_t stream;     // of random decisions at the hits
 };
@@ -139,7 +140,7 @@ static int draw_rays(const struct shade_lighting *lighting, const struct lobe_sa
     int rays = 0;
     out->from = gather_receiver(p);
     for (int i = 0; i < by->count; i++) {
-        const uint32_t index = lighting->sampler.index * (uint32_t)by->count + (uint32_t)i;
+        const uint32_t index = by->first + (uint32_t)i;
         struct brdf_sample b;
         if (!draw_sample(lighting, by, index, &b)) continue;
         const vec3 d = frame_to_world(&p->frame, b.wi);
@@ -159,10 +160,25 @@ static int draw_rays(const struct shade_lighting *lighting, const struct lobe_sa
     return rays;
 }
 
+// The variance of the luminance of indirect light by one of `count` rays, of which `rays` have not
+// failed.
+static float ray_variance(const struct drawn_rays *drawn, int rays, int count) {
+    float sum = 0.0f, squares = 0.0f;
+    for (int i = 0; i < rays; i++) {
+        const float y = rgb_luminance(rgb_mul(drawn->weight[i], drawn->ray[i].L));
+        sum += y;
+        squares += y * y;
+    }
+    const float n = (float)count;
+    return count > 1 ? fmaxf(squares - sqrf(sum) / n, 0.0f) / (n - 1.0f) : 0.0f;
+}
+
 // Importance sampling by gather rays. If by->finding > 0 they also find lights, weighted against
 // light samples, and emitted light through specular surfaces that caustic photons leave out.
-// Returns the indirect light that the diffuse lobe reflects.
-static rgb sample_lobes(struct shade_lighting *lighting, const struct lobe_sampling *by) {
+// Returns the indirect light that the diffuse lobe reflects. *variance, if not NULL, is set to the
+// variance of the luminance of indirect light by one ray; 0 if there is only one.
+static rgb sample_lobes(struct shade_lighting *lighting, const struct lobe_sampling *by,
+                        float *variance) {
     const struct gather *g = lighting->shade->g;
     struct drawn_rays drawn;  // not initialised as a whole, as few are used
     const int rays = draw_rays(lighting, by, &drawn);
@@ -184,6 +200,7 @@ static rgb sample_lobes(struct shade_lighting *lighting, const struct lobe_sampl
         diffuse = rgb_fma(diffuse, of_diffuse, ray->L);
         glossy = rgb_fma(glossy, rgb_sub(weight, of_diffuse), ray->L);
     }
+    if (variance) *variance = ray_variance(&drawn, rays, by->count);
     const float each = 1.0f / (float)by->count;
     diffuse = rgb_scale(diffuse, each);
     if (by->lobes & BRDF_DIFFUSE) shade_add_uncached(lighting, SHADE_INDIRECT_DIFFUSE, diffuse);
@@ -206,22 +223,29 @@ static void note_gathered(const struct shade_lighting *lighting, rgb light) {
                                    .p = v->point.interaction.p,
                                    .n = v->point.frame.n,
                                    .pixel = v->pixel,
-                                   .rays = (float)lighting->shade->missing.rays};
+                                   .rays = (float)lighting->samples.gather.count};
 }
 
 // Adds indirect light where no record is near.
 static void sample_missing(struct shade_lighting *lighting, unsigned lobes) {
     const struct shade_vertex *v = lighting->vertex;
-    const struct lobe_sampling by = {gather_single_find(lighting->shade->g, &v->point, v->pixel,
-                                                        lighting->worker->gather.singles),
-                                     lobes,
-                                     lighting->shade->missing.rays,
-                                     0,
-                                     MISSING_DIMENSION,
-                                     rng_mix(lighting->pixel_stream + 1)};
-    const rgb diffuse = sample_lobes(lighting, &by);
+    const struct lobe_sampling by = {
+        .clusters = gather_single_find(lighting->shade->g, &v->point, v->pixel,
+                                       lighting->worker->gather.singles),
+        .lobes = lobes,
+        .count = lighting->samples.gather.count,
+        .first = lighting->samples.gather.first,
+        .dimension = MISSING_DIMENSION,
+        .stream = rng_mix(lighting->pixel_stream + 1)};
+    struct shade_counts *counts = &lighting->worker->counts;
+    const uint64_t before = counts->rays;
+    float variance;
+    const rgb diffuse = sample_lobes(lighting, &by, &variance);
     if (lobes & BRDF_DIFFUSE) note_gathered(lighting, diffuse);
-    lighting->worker->counts.gathered++;
+    lighting->out->gather_variance += sqrf(rgb_luminance(v->T)) * variance;
+    lighting->out->gathers++;
+    counts->gathered++;
+    counts->missing_rays += counts->rays - before;
 }
 
 // The luminance of direct and indirect light so far.
@@ -265,9 +289,13 @@ void shade_vertex_two_pass(struct shade_lighting *lighting) {
     else if (plan.diffuse && !diffuse_cached(lighting, value))
         sample_missing(lighting, plan.diffuse);
     if (plan.sampled) {
-        const struct lobe_sampling by = {NULL, plan.sampled,          o->glossy_samples, finding,
-                                         0,    lighting->pixel_stream};
-        sample_lobes(lighting, &by);
+        const struct lobe_sampling by = {
+            .lobes = plan.sampled,
+            .count = o->glossy_samples,
+            .finding = finding,
+            .first = lighting->sampler.index * (uint32_t)o->glossy_samples,
+            .stream = lighting->pixel_stream};
+        sample_lobes(lighting, &by, NULL);
     }
     const struct photon_other_light other = {added_luminance(lighting) - before, u_caustic};
     const float pdf_most = plan.sampled & BRDF_GLOSSY ? GATHER_CAUSTIC_PDF_MOST : INFINITY;

@@ -11,7 +11,7 @@ struct shade_lighting {
     const struct shade_vertex *vertex;
     struct shade_worker *worker;
     struct sampler sampler;
-    struct shade_direct_samples samples;
+    struct shade_sample_counts samples;
     uint64_t stream;           // random numbers of this vertex of this sample
     uint64_t pixel_stream;     // random numbers that all samples of the pixel have in common
     struct shade_sample *out;  // the layers to which light is added, times the vertex's throughput

@@ -18,13 +18,18 @@ enum { SIZE = 64, EQUAL = 4, ALL = 16 };
 // The image is 1 with noise that is ten times as strong right of the middle.
 static float render_adaptive_sampling_noise_of(int x) { return x < SIZE / 2 ? 0.05f : 0.5f; }
 
+static struct shade_sample render_adaptive_sampling_of(float value) {
+    return (struct shade_sample){.beauty = rgb_grey(value)};
+}
+
 static void render_adaptive_sampling_take(struct adaptive_sampling *adapt, uint64_t seed) {
     for (int i = 0; i < SIZE * SIZE; i++) {
         struct adaptive_pixel *p = &adapt->pixel[i];
         while (p->count < p->target) {
             struct rng rng = rng_make(seed, RNG_TEST, (uint64_t)i << 32 | p->count);
             float e = render_adaptive_sampling_noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
-            render_adaptive_add(p, rgb_grey(1.0f + e), 0.0f, 0.0f);
+            const struct shade_sample s = render_adaptive_sampling_of(1.0f + e);
+            render_adaptive_add(p, &s);
         }
     }
     render_adaptive_compare(adapt);
@@ -32,7 +37,7 @@ static void render_adaptive_sampling_take(struct adaptive_sampling *adapt, uint6
 
 // Renders with ALL samples per pixel on average; returns how many were taken.
 static uint64_t render_adaptive_sampling_render(struct adaptive_sampling *adapt, uint64_t seed) {
-    assert_true(render_adaptive_make(adapt, SIZE, SIZE, 4));
+    assert_true(render_adaptive_make(adapt, SIZE, SIZE, 4, 1));
     for (uint32_t n = 1; n <= EQUAL; n *= 2) {
         render_adaptive_equal(adapt, 1, n);
         render_adaptive_sampling_take(adapt, seed);
@@ -102,11 +107,11 @@ static void the_mean_is_kept(void **state) {
 
 // An image whose halves agree everywhere but for one pixel by `difference`.
 static void make_quiet(struct adaptive_sampling *adapt, float difference) {
-    assert_true(render_adaptive_make(adapt, SIZE, SIZE, 4));
+    assert_true(render_adaptive_make(adapt, SIZE, SIZE, 4, 1));
+    const struct shade_sample two = render_adaptive_sampling_of(2.0f);
     for (uint32_t n = 1; n <= 2; n++) {
         render_adaptive_equal(adapt, 1, n);
-        for (int i = 0; i < SIZE * SIZE; i++)
-            render_adaptive_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f, 0.0f);
+        for (int i = 0; i < SIZE * SIZE; i++) render_adaptive_add(&adapt->pixel[i], &two);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
         render_adaptive_compare(adapt);
     }
@@ -175,7 +180,7 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
     (void)state;
     enum { LIGHTS = 4, SAMPLES = 4096 };
     struct adaptive_sampling adapt;
-    assert_true(render_adaptive_make(&adapt, SIZE, SIZE, LIGHTS));
+    assert_true(render_adaptive_make(&adapt, SIZE, SIZE, LIGHTS, 1));
     for (int i = 0; i < SIZE * SIZE; i++) {
         struct rng rng = rng_make(3, RNG_TEST, (uint64_t)i);
         const int quarter = i % SIZE / (SIZE / 4);
@@ -186,13 +191,15 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
             const float e = light / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) +
                             lobe / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) +
                             rest * (rng_float(&rng) - 0.5f);
-            render_adaptive_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f,
-                                lobe * lobe / 12.0f);
+            struct shade_sample s = render_adaptive_sampling_of(1.0f + e);
+            s.light_variance = light * light / 12.0f;
+            s.lobe_variance = lobe * lobe / 12.0f;
+            render_adaptive_add(&adapt.pixel[i], &s);
         }
     }
     assert_true(render_adaptive_light_samples(&adapt) == LIGHTS);
     const float cost = 8.0f;
-    render_adaptive_lights(&adapt, cost);
+    render_adaptive_counts(&adapt, cost, false);
     // m^2.5 = 3 * 8 * (.5 / .1)^2: 12.9, rounded down. The blur mixes quarters at their borders.
     for (int y = 0; y < SIZE; y++) {
         const struct adaptive_pixel *row = adapt.pixel + y * SIZE;
@@ -205,6 +212,45 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
             assert_true(row[x].lobe.next == row[x].light.next);
     }
     render_adaptive_destroy(&adapt);
+}
+
+// Adds samples of two gather rays, or of one, of this standard deviation each.
+static void add_gathers_of(struct adaptive_pixel *pixel, float deviation, uint64_t stream) {
+    struct rng rng = rng_make(5, RNG_TEST, stream);
+    const uint32_t rays = pixel->gather.next;
+    for (int k = 0; k < 4096; k++) {
+        const float width = deviation * sqrtf(12.0f / (float)rays);
+        const float e = width * (rng_float(&rng) - 0.5f) + 0.1f * (rng_float(&rng) - 0.5f);
+        struct shade_sample s = render_adaptive_sampling_of(1.0f + e);
+        s.gathers = deviation > 0.0f;
+        s.gather_variance = rays > 1 ? deviation * deviation : 0.0f;
+        render_adaptive_add(pixel, &s);
+    }
+}
+
+// The number of gather rays in the next sample of a pixel whose rays have this deviation.
+static uint32_t next_gathers(float deviation, int rays, float cost, bool gathers) {
+    struct adaptive_sampling adapt;
+    assert_true(render_adaptive_make(&adapt, 8, 8, 1, rays));
+    for (uint64_t i = 0; i < 64; i++) add_gathers_of(&adapt.pixel[i], deviation, i);
+    render_adaptive_counts(&adapt, cost, gathers);
+    const uint32_t next = adapt.pixel[27].gather.next;
+    render_adaptive_destroy(&adapt);
+    return next;
+}
+
+// (v / w * cost / 6)^.4, rounded, where w is the variance of the rest, 1 / 1200: more rays where
+// they are noisier or the rest of a sample costs more, at most eight.
+static void gather_rays_follow_their_noise_and_cost(void **state) {
+    (void)state;
+    assert_int_equal(next_gathers(0.1f, 2, 6.0f, true), 3);   // 12^.4 = 2.7
+    assert_int_equal(next_gathers(0.1f, 2, 24.0f, true), 5);  // 48^.4 = 4.7
+    assert_int_equal(next_gathers(1.0f, 2, 6.0f, true), 8);   // 17, but at most 8
+    assert_int_equal(next_gathers(0.02f, 2, 6.0f, true), 1);  // .74
+    assert_int_equal(next_gathers(0.02f, 8, 6.0f, true), 1);
+    assert_int_equal(next_gathers(0.1f, 1, 24.0f, true), 1);   // of one ray nothing is known
+    assert_int_equal(next_gathers(0.0f, 2, 24.0f, true), 2);   // nor where no sample gathers
+    assert_int_equal(next_gathers(0.1f, 8, 24.0f, false), 8);  // they are not asked for
 }
 
 // The fraction of the pixels with two samples, in every 11x7 block of an image of 33x21 to 3 of 77.
@@ -225,7 +271,7 @@ static void first_samples_are_on_a_grid(void **state) {
     (void)state;
     for (int threads = 1; threads <= 3; threads += 2) {
         struct adaptive_sampling adapt;
-        assert_true(render_adaptive_make(&adapt, 33, 21, 1));
+        assert_true(render_adaptive_make(&adapt, 33, 21, 1, 1));
         adapt.pool = threads > 1 ? parallel_new(threads) : NULL;
         for (int stride = 8; stride > 0; stride /= 2) {
             render_adaptive_equal(&adapt, stride, 1);
@@ -255,6 +301,7 @@ int main(void) {
                                        cmocka_unit_test(the_number_of_samples_is_kept),
                                        cmocka_unit_test(growth_follows_the_number_of_samples),
                                        cmocka_unit_test(faint_noise_does_not_hide_strong_noise),
-                                       cmocka_unit_test(light_samples_go_where_lights_are_noisy)};
+                                       cmocka_unit_test(light_samples_go_where_lights_are_noisy),
+                                       cmocka_unit_test(gather_rays_follow_their_noise_and_cost)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

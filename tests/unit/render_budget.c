@@ -184,18 +184,15 @@ static void rays_per_bin_grow_with_photons(void **state) {
 
 static void samples_gather_less_with_a_limit(void **state) {
     (void)state;
-    // A pixel of 16 samples has 128 rays, or 32 with the time limit that gives it these samples.
+    // The noise is that of 128 rays of a pixel of 16 samples, or with the time limit that gives it
+    // these samples of 16.
     const satin_options limited = {.spp = 1 << 20, .time = 1.0, .width = 100, .height = 100};
     const struct shade_missing plain = render_budget_missing(&(satin_options){.spp = 16}, 0.0),
                                timed = render_budget_missing(&limited, 1.3),
-                               half = render_budget_missing(&limited, 0.65),
                                longer = render_budget_missing(&limited, 64 * 1.3),
                                shorter = render_budget_missing(&limited, 1e-3);
-    assert_int_equal(plain.rays, 8);
-    assert_int_equal(timed.rays, 2);
-    assert_int_equal(half.rays, 1);
-    assert_int_equal(longer.rays, 4);
-    assert_int_equal(shorter.rays, 1);
+    assert_int_equal(render_budget_first_gathers(&(satin_options){.spp = 16}), 8);
+    assert_int_equal(render_budget_first_gathers(&limited), 1);
     // Where a cache is off, the samples have the rays of a record in common, and each at least 8.
     const satin_options off = {.spp = 4, .irradiance_rays = 100};
     assert_int_equal(render_budget_missing(&off, 0.0).hemisphere, 25);
@@ -204,9 +201,11 @@ static void samples_gather_less_with_a_limit(void **state) {
     assert_true(fabsf(sqrf(timed.deviation) * 16.0f - 1.0f) < 1e-5f);
     assert_true(fabsf(sqrf(longer.deviation) * 1024.0f - 1.0f) < 1e-5f);
     assert_true(shorter.deviation == 1.0f);
-    const struct shade_counts none = {0}, counts = {.samples = 2, .points = 2, .rays = 1};
-    assert_true(render_budget_sample_cost(&none) == 1.0f);
-    assert_true(render_budget_sample_cost(&counts) == 7.0f);
+    const struct shade_counts none = {0},
+                              counts = {.samples = 2, .points = 2, .rays = 3, .missing_rays = 1};
+    assert_true(render_budget_sample_cost(&none, false) == 1.0f);
+    assert_true(render_budget_sample_cost(&counts, false) == 13.0f);
+    assert_true(render_budget_sample_cost(&counts, true) == 10.0f);
 }
 
 // A quarter of the photons makes the lookups twice as wide.

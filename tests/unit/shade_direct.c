@@ -48,7 +48,7 @@ static struct shade_direct_result shade_direct_pixel(const struct satin_scene *s
     const struct cache_tables none = {0};
     struct shade shade;
     assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &none, &o),
-                                (struct shade_missing){1, 8, 1.0f}, pool),
+                                (struct shade_missing){8, 1.0f}, pool),
                      SATIN_OK);
     struct shade_worker worker = {.gather = shade.worker[0]};
     struct shade_direct_result out = {0};
@@ -56,7 +56,8 @@ static struct shade_direct_result shade_direct_pixel(const struct satin_scene *s
         struct shade_sample s;
         const struct gather_light_samples direct = {lights, i * (uint32_t)lights};
         shade_pixel_begin(&worker);
-        shade_pixel(&shade, &worker, 0, 0, i, (struct shade_direct_samples){direct, direct}, &s);
+        shade_pixel(&shade, &worker, 0, 0, i,
+                    (struct shade_sample_counts){direct, direct, {8, 8 * i}}, &s);
         const double L = (double)rgb_luminance(s.layer[SHADE_DIRECT]);
         out.mean += L / SAMPLES;
         out.deviation += L * L / SAMPLES;

@@ -34,7 +34,8 @@ static struct shade_features sampled_features(const struct shade *shade) {
     shade_pixel_begin(&worker);
     for (uint32_t i = 0; i < SAMPLES; i++) {
         struct shade_sample s;
-        shade_pixel(shade, &worker, 1, 2, i, (struct shade_direct_samples){{1, i}, {1, i}}, &s);
+        shade_pixel(shade, &worker, 1, 2, i,
+                    (struct shade_sample_counts){{1, i}, {1, i}, {8, 8 * i}}, &s);
         sum.albedo = rgb_mad(sum.albedo, s.features.albedo, 1.0f / SAMPLES);
         sum.normal = rgb_mad(sum.normal, s.features.normal, 1.0f / SAMPLES);
     }
@@ -57,7 +58,7 @@ static void find_all_features(const char *body, struct shade_features out[FEATUR
         const struct gather g = gather_make(scene, &options, NULL);
         const struct cache_tables none = {0};
         assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &none, &options),
-                                    (struct shade_missing){1, 1, 1.0f}, pool),
+                                    (struct shade_missing){1, 1.0f}, pool),
                          SATIN_OK);
         if (i == FEATURES_BY_RAYS)
             (void)shade_find_features(&shade, 1, 2, 0, &out[i]);

@@ -99,6 +99,7 @@ static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_tw
                                                            const satin_options *o,
                                                            uint32_t samples) {
     struct shade_two_pass_pixel out = {0};
+    const int rays = render_budget_first_gathers(o);
     const struct gather g = gather_make(room->scene, o, room->maps);
     struct shade shade;
     assert_int_equal(shade_init(&shade, &g, cache_reader_make(NULL, &room->tables, o),
@@ -108,7 +109,8 @@ static struct shade_two_pass_pixel shade_two_pass_pixel_of(const struct shade_tw
     shade_pixel_begin(&worker);
     for (uint32_t i = 0; i < samples; i++) {
         struct shade_sample s;
-        shade_pixel(&shade, &worker, 0, 1, i, (struct shade_direct_samples){{1, i}, {1, i}}, &s);
+        shade_pixel(&shade, &worker, 0, 1, i,
+                    (struct shade_sample_counts){{1, i}, {1, i}, {rays, (uint32_t)rays * i}}, &s);
         assert_true(shade_sample_finite(&s));
         for (int k = 0; k < SHADE_EMISSION; k++) {
             const double L = (double)rgb_luminance(s.layer[k]);
@@ -190,7 +192,8 @@ static double shade_two_pass_path(const struct shade_two_pass_room *room, double
     double sum = 0.0, squares = 0.0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
         struct shade_sample s;
-        shade_pixel(&shade, &worker, 0, 1, i, (struct shade_direct_samples){{1, i}, {1, i}}, &s);
+        shade_pixel(&shade, &worker, 0, 1, i,
+                    (struct shade_sample_counts){{1, i}, {1, i}, {8, 8 * i}}, &s);
         const double L = (double)rgb_luminance(s.uncached);
         sum += L / SAMPLES;
         squares += L * L / SAMPLES;
