@@ -56,8 +56,11 @@ static satin_status unknown_parameter(struct param_source source, const struct p
                      plugin->name, written, nearest.best);
         return SATIN_ERROR_INPUT;
     }
-    log_warning_at(log, child->place, "%s '%s' has no parameter '%s', which has no effect", noun,
-                   plugin->name, written);
+    if (plugin->lenient)
+        log_warning_at(log, child->place, "'%s' has no effect here", written);
+    else
+        log_warning_at(log, child->place, "%s '%s' has no parameter '%s', which has no effect",
+                       noun, plugin->name, written);
     return SATIN_OK;
 }
 
@@ -143,10 +146,6 @@ static satin_status read_child(struct param_source source, struct params *out,
         return SATIN_ERROR_INPUT;
     }
     int i = find_spec(plugin, child->name);
-    if (i < 0 && plugin->lenient) {
-        log_warning_at(log, child->place, "'%s' has no effect here", load_xml_get(child, "name"));
-        return SATIN_OK;
-    }
     if (i < 0) return unknown_parameter(source, plugin, child);
     const struct param_spec *spec = plugin->params[i];
     struct param_value *value = &out->value[i];

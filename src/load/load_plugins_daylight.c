@@ -33,14 +33,15 @@ static const struct param_spec sunsky_direction = {
     NULL,
     "The direction to the sun in world space, instead of date, time and position."};
 DAYLIGHT_NUMBER(latitude, "latitude", "35.6894", 0,
-                "The latitude in degrees, positive to the north.");
+                "The latitude in degrees, positive to the north, -90 to 90.");
 DAYLIGHT_NUMBER(longitude, "longitude", "139.6917", 0,
-                "The longitude in degrees, positive to the east.");
-DAYLIGHT_NUMBER(timezone, "timezone", "9", 0, "The hours that local time is ahead of UTC.");
+                "The longitude in degrees, positive to the east, -360 to 360.");
+DAYLIGHT_NUMBER(timezone, "timezone", "9", 0,
+                "The hours that local time is ahead of UTC, -24 to 24.");
 WHOLE(year, "year", "2010", "The year of the date.");
 WHOLE(month, "month", "7", "The month, 1 to 12.");
 WHOLE(day, "day", "10", "The day, 1 to 31.");
-DAYLIGHT_NUMBER(hour, "hour", "15", RANGE_NOT_NEGATIVE, "The hour of local time.");
+DAYLIGHT_NUMBER(hour, "hour", "15", RANGE_NOT_NEGATIVE, "The hour of local time, 0 to 24.");
 DAYLIGHT_NUMBER(minute, "minute", "0", RANGE_NOT_NEGATIVE, "The minute of local time, 0 to 60.");
 DAYLIGHT_NUMBER(second, "second", "0", RANGE_NOT_NEGATIVE, "The second of local time, 0 to 60.");
 DAYLIGHT_NUMBER(scale, "scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky and the sun.");
@@ -77,6 +78,34 @@ static const struct param_spec *const daylight[] = {
     &scale,        &sky_scale,       &sun_scale,
     &sun_aperture, &sun_radius,      &complex_sun,
     &to_world,     &sampling_weight, NULL};
+
+// Parameters of date, time and position, which a sun_direction replaces, and their ranges.
+static const struct {
+    const char *name;
+    bool whole;
+    float least, most;
+} sun_ranges[] = {{"month", true, 1.0f, 12.0f},          {"day", true, 1.0f, 31.0f},
+                  {"hour", false, 0.0f, 24.0f},          {"minute", false, 0.0f, 60.0f},
+                  {"second", false, 0.0f, 60.0f},        {"latitude", false, -90.0f, 90.0f},
+                  {"longitude", false, -360.0f, 360.0f}, {"timezone", false, -24.0f, 24.0f}};
+
+static satin_status check_sun_time(struct load_state *loader, const struct params *p) {
+    const bool replaced = load_param(p, "sun_direction")->given;
+    for (size_t i = 0; i < sizeof sun_ranges / sizeof *sun_ranges; i++) {
+        const char *name = sun_ranges[i].name;
+        const struct param_value *value = load_param(p, name);
+        const float x = sun_ranges[i].whole ? (float)value->i : value->f;
+        if (value->given && replaced)
+            log_warning_at(loader->log, value->place,
+                           "'%s' has no effect, as sun_direction is given", name);
+        else if (!(x >= sun_ranges[i].least && x <= sun_ranges[i].most)) {
+            log_error_at(loader->log, value->place, "%s is %g, but must be %g to %g", name,
+                         (double)x, (double)sun_ranges[i].least, (double)sun_ranges[i].most);
+            return SATIN_ERROR_INPUT;
+        }
+    }
+    return SATIN_OK;
+}
 
 // The direction to the sun before to_world. `z_up`: in the axes of Mitsuba 3, whose x points to the
 // south and whose y to the west.
@@ -135,7 +164,8 @@ static satin_status build_daylight(struct load_state *loader, const struct param
                              *albedo = load_param(p, "albedo");
     light->kind = LIGHT_ENVMAP;
     light->value = rgb_grey(all * has_sky * load_param(p, "sky_scale")->f);
-    satin_status status = set_transform(loader, p, z_up, light);
+    satin_status status = check_sun_time(loader, p);
+    if (status == SATIN_OK) status = set_transform(loader, p, z_up, light);
     if (status != SATIN_OK) return status;
     const vec3 sun =
         given->given ? given->v : mat4_vector(&load_param(p, "to_world")->m, sun_of_date(p, z_up));

@@ -278,6 +278,9 @@ static void what_version_06_ignores_is_no_error(void **state) {
                   "<integrator type='path'/><integrator type='field'/></integrator>",
          "integrator 'field' has no effect here"},
         {FILM06("<float name='gamma' value='-1'/>"), "'gamma' has no effect here"},
+        {SENSOR06 "<integrator type='photonmapper'><integer name='directSamples' value='16'/>"
+                  "</integrator>",
+         "'directSamples' has no effect here"},
         {SENSOR06 "<bsdf type='hk' id='a'><phase type='hg'/></bsdf>",
          "BRDF 'hk' is not supported; it is not used"},
         {SENSOR06 "<shape type='disk'><bsdf type='phong'><string name='distribution' "

@@ -35,6 +35,18 @@ static void a_given_direction_is_in_world_space(void **state) {
     assert_true(v3_dist2(given, v3(.6f, .8f, 0.0f)) < 1e-6f);
 }
 
+static void a_time_beside_a_direction_has_no_effect(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c, SCENE_TEXT("<emitter type='sunsky'><float name='hour' value='99'/>"
+                       "<vector name='sun_direction' x='0' y='1' z='0'/></emitter>"));
+    assert_non_null(scene);
+    assert_string_equal(c.warning,
+                        "scene.xml:3:24: 'hour' has no effect, as sun_direction is given");
+    satin_scene_free(scene);
+}
+
 static void a_scene_of_version_06_without_emitters_has_daylight(void **state) {
     (void)state;
     static const char *const body = "<shape type='cube'/><sensor type='perspective'/></scene>";
@@ -60,6 +72,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_sun_stands_as_the_date_says),
         cmocka_unit_test(a_given_direction_is_in_world_space),
+        cmocka_unit_test(a_time_beside_a_direction_has_no_effect),
         cmocka_unit_test(a_scene_of_version_06_without_emitters_has_daylight),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
