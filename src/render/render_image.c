@@ -20,7 +20,7 @@ double render_image_bytes(const struct satin_scene *scene, const satin_options *
                           const satin_callbacks *callbacks) {
     const struct scene_aovs *aovs = &scene->hints.aovs;
     const double pixels = (double)scene->film.crop_width * (double)scene->film.crop_height;
-    double bytes = sizeof(struct image_pixel) + sizeof(struct adaptive_pixel) + 5 * sizeof(float);
+    double bytes = sizeof(struct image_pixel) + sizeof(struct adaptive_pixel) + 6 * sizeof(float);
     bytes += (double)aovs->values * (aovs->moment ? 2.0 : 1.0) * sizeof(float);
     for (int k = 0; k < CRYPTOMATTES; k++)
         if ((int)options->cryptomatte >> k & 1) bytes += sizeof(struct cryptomatte_pixel);

@@ -67,6 +67,7 @@ struct image_noisy {
     rgb odd[NOISY_LAYERS];
     float weight;                // of the odd ones
     float sampled, odd_sampled;  // weight of those with sampled gloss, of all and of the odd ones
+    struct shade_surface shown;  // weighted sum over all; `alpha` is not used
 };
 
 // What the filter of noise adds to the means of a pixel.

@@ -79,6 +79,9 @@ bool render_noise_memory(struct render_image *image) {
 
 void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sample *s) {
     sum->glossy = rgb_mad(sum->glossy, s->uncached_glossy, s->weight);
+    sum->shown.albedo = rgb_mad(sum->shown.albedo, s->shown.albedo, s->weight);
+    sum->shown.normal = rgb_mad(sum->shown.normal, s->shown.normal, s->weight);
+    sum->shown.depth += s->weight * s->shown.depth;
     if (s->sampled_glossy) sum->sampled += s->weight;
     if (!(parity & 1)) return;
     if (s->sampled_glossy) sum->odd_sampled += s->weight;
@@ -90,8 +93,8 @@ void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sa
 
 // ---- What is compared ---------------------------------------------------------------------------
 
-static rgb mean_albedo(const struct image_pixel *p) {
-    const rgb albedo = rgb_scale(p->layer[SHADE_ALBEDO], render_image_scale(p));
+static rgb mean_albedo(const struct image_noisy *noisy, float scale) {
+    const rgb albedo = rgb_scale(noisy->shown.albedo, scale);
     return rgb_make(maxf(albedo.r, ALBEDO_LEAST), maxf(albedo.g, ALBEDO_LEAST),
                     maxf(albedo.b, ALBEDO_LEAST));
 }
@@ -118,8 +121,8 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
                        size_t at) {
     const struct image_pixel *p = &image->pixel[at];
     const struct image_noisy *noisy = &image->noisy_light[at];
-    const rgb albedo = mean_albedo(p), *n = &p->layer[SHADE_NORMAL];
     const float scale = render_image_scale(p);
+    const rgb albedo = mean_albedo(noisy, scale), *n = &noisy->shown.normal;
     const float odd_weight[NOISY_LAYERS] = {noisy->weight, noisy->odd_sampled};
     for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++) {
         const rgb odd = noisy->odd[layer];
@@ -136,7 +139,7 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
     t->normal[0][i] = n->r * scale;
     t->normal[1][i] = n->g * scale;
     t->normal[2][i] = n->b * scale;
-    const float distance = p->depth * scale;
+    const float distance = noisy->shown.depth * scale;
     t->inverse[i] = distance > FLT_MIN ? 1.0f / distance : 0.0f;
 }
 
@@ -359,7 +362,8 @@ static rgb change_of(const struct noise_tile *t, const struct render_image *imag
     const rgb E =
         rgb_scale(rgb_make(sum[0][i], sum[1][i], sum[2][i]), fraction / t->weight[layer][i]);
     const rgb own = rgb_scale(sum_of(image, at, layer), render_image_scale(p));
-    const rgb change = rgb_sub(rgb_mul(E, mean_albedo(p)), own);
+    const rgb change =
+        rgb_sub(rgb_mul(E, mean_albedo(&image->noisy_light[at], render_image_scale(p))), own);
     return rgb_finite(change) ? change : rgb_grey(0.0f);
 }
 

@@ -38,6 +38,7 @@ static void surface_channels(const struct shade *shade, const struct shading_poi
     out->layer[SHADE_ALBEDO] = surface.albedo;
     out->layer[SHADE_NORMAL] = surface.normal;
     out->depth = surface.depth;
+    out->shown = surface;
     out->shape = p->interaction.shape + 1;
     out->instance = p->interaction.instance;
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);
@@ -105,6 +106,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     shade_eye_trace(shade, x, y, &sampler, &eye);
     if (eye.hit) surface_channels(shade, &eye.first, &eye.camera, out);
     if (o->denoise) out->features = shade_features_of(&eye);
+    if (o->noise_filter) shade_find_shown(&eye, &out->shown);
     out->alpha = shade_coverage(shade, eye.hit);
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {

@@ -52,7 +52,8 @@ struct shade_sample {
     rgb layer[SHADE_LAYERS];  // of the first surface that is not ideal specular; the normal is x y
                               // z
     struct shade_features features;
-    float depth;             // distance to the first surface; 0 if there is none
+    struct shade_surface shown;  // the first surface, or what it shows (shade_find_shown)
+    float depth;                 // distance to the first surface; 0 if there is none
     float alpha;             // 1 if the eye ray meets a surface or a visible environment, else 0
     struct cache_used used;  // records that were interpolated at the point
     float record;            // 1: a record is within a pixel; only with record_maps

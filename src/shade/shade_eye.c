@@ -112,7 +112,8 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         bool hit = scene_intersect(scene, &path.ray, &s);
         add_emission(shade, &path, hit ? &s : NULL, &out->emission);
         if (!hit) continue;
-        s.footprint = shade->sharpness * spread * (path.distance + s.t);
+        const float distance = path.distance + s.t;
+        s.footprint = shade->sharpness * spread * distance;
         struct scene_component component[MATERIAL_COMPONENTS_MAX];
         const struct material_side *shown =
             path.depth == 0 ? scene_draw_component(scene, &s, v3_neg(path.ray.d)) : NULL;
@@ -129,7 +130,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
             if (max_depth >= 0 && path.depth + 1 >= max_depth) continue;
             if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
                 out->vertex[out->count++] = (struct shade_vertex){
-                    point, own.T, spread * (path.distance + s.t), path.depth + 1};
+                    point, own.T, distance, spread * distance, path.depth + 1};
             if ((point.lobes & BRDF_DELTA) && path.depth < EYE_DEPTH)
                 top = push_specular(shade, &own, &point, sampler, stack, top);
         }

@@ -10,9 +10,10 @@ enum { SHADE_VERTICES = 12 };
 // A surface point that is seen, directly or through ideal specular surfaces.
 struct shade_vertex {
     struct shading_point point;
-    rgb T;        // throughput to the eye
-    float pixel;  // width of a projected pixel there
-    int depth;    // number of segments from the eye
+    rgb T;           // throughput to the eye
+    float distance;  // along the path to the eye
+    float pixel;     // width of a projected pixel there
+    int depth;       // number of segments from the eye
 };
 
 // The random numbers and properties of an eye ray.
@@ -68,6 +69,9 @@ struct shade_surface shade_surface_of(const struct shading_point *p);
 // The features that an eye ray sees (shade_features.c). Where it first meets ideal specular
 // surfaces alone, these are the sum over all surface points that are seen by them.
 struct shade_features shade_features_of(const struct shade_eye *eye);
+// Where the first surface is ideal specular alone, sets *out to the surface that shows the most
+// through it: its albedo times the throughput, and the distance along the path.
+void shade_find_shown(const struct shade_eye *eye, struct shade_surface *out);
 // Adds those of a surface point that is seen with the throughput T.
 void shade_features_add(const struct shading_point *p, rgb T, struct shade_features *sum);
 

@@ -42,6 +42,16 @@ struct shade_features shade_features_of(const struct shade_eye *eye) {
     return sum;
 }
 
+void shade_find_shown(const struct shade_eye *eye, struct shade_surface *out) {
+    if (!eye->hit || (eye->first.lobes & BRDF_SMOOTH) || eye->count == 0) return;
+    const struct shade_vertex *most = eye->vertex;
+    for (int i = 1; i < eye->count; i++)
+        if (rgb_max(eye->vertex[i].T) > rgb_max(most->T)) most = &eye->vertex[i];
+    *out = shade_surface_of(&most->point);
+    out->albedo = rgb_mul(out->albedo, most->T);
+    out->depth = most->distance;
+}
+
 float shade_find_features(const struct shade *shade, int x, int y, uint32_t index,
                           struct shade_features *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_FEATURE);

@@ -40,18 +40,19 @@ static rgb texture_of(int x, int y) {
     return rgb_make(0.2f + 0.6f * (float)((x + y) % 2), 0.5f, 0.1f + 0.1f * (float)(x % 5));
 }
 
-static void add_noisy_sample(int x, int y, uint32_t index, rgb E, vec3 n, float weight) {
+static void add_noisy_sample(int x, int y, uint32_t index, rgb E, vec3 n, float distance,
+                             float weight) {
     const rgb albedo = texture_of(x, y), light = rgb_mul(albedo, E);
     // A third of the light is glossy.
-    struct shade_sample s = {
-        .weight = weight, .uncached_glossy = rgb_scale(light, 1.0f / 3.0f), .sampled_glossy = true};
+    struct shade_sample s = {.weight = weight,
+                             .uncached_glossy = rgb_scale(light, 1.0f / 3.0f),
+                             .sampled_glossy = true,
+                             .shown = {albedo, {n.x, n.y, n.z}, distance, 1.0f}};
     struct image_pixel *p = &noise_pixels[y * WIDE + x];
     s.layer[SHADE_DIRECT] = rgb_scale(light, 2.0f / 3.0f);
     p->layer[SHADE_DIRECT] = rgb_mad(p->layer[SHADE_DIRECT], s.layer[SHADE_DIRECT], weight);
     p->samples++;
     p->weight += weight;
-    p->layer[SHADE_ALBEDO] = rgb_mad(p->layer[SHADE_ALBEDO], albedo, weight);
-    p->layer[SHADE_NORMAL] = rgb_mad(p->layer[SHADE_NORMAL], rgb_make(n.x, n.y, n.z), weight);
     render_noise_add(&noisy_sums[y * WIDE + x], x + y + (int)index, &s);
 }
 
@@ -64,8 +65,7 @@ static void fill_image(noise_scene_fn *at, uint32_t samples, float scale) {
                 const struct noisy_point s = at(x, y);
                 struct rng rng = rng_make(5, RNG_TEST, (uint64_t)(y * WIDE + x) << 32 | k);
                 const float E = scale * s.E * (1.0f + s.noise * (2.0f * rng_float(&rng) - 1.0f));
-                add_noisy_sample(x, y, k, rgb_make(s.red * E, E, E), s.n, 1.0f);
-                noise_pixels[y * WIDE + x].depth += s.distance;
+                add_noisy_sample(x, y, k, rgb_make(s.red * E, E, E), s.n, s.distance, 1.0f);
             }
 }
 
@@ -214,7 +214,7 @@ static void test_bright_sample(void **state) {
         assert_true(render_noise_change(&noise_image, noise_pool));
         const float beside = light_after(41, 31), last = light_after(44, 34);
         fill_image(even_light, 2, 1.0f);
-        add_noisy_sample(40, 30, k, rgb_grey(200.0f), v3(0, 0, 1), 1.0f);
+        add_noisy_sample(40, 30, k, rgb_grey(200.0f), v3(0, 0, 1), 0.0f, 1.0f);
         const float bright = light_before(40, 30);
         assert_true(render_noise_change(&noise_image, noise_pool));
         for (int y = 0; y < HIGH; y++)
@@ -242,7 +242,8 @@ static void test_unusable_pixels(void **state) {
     noise_pixels[30 * WIDE + 40] = (struct image_pixel){0};
     noisy_sums[30 * WIDE + 40] = (struct image_noisy){0};
     noise_pixels[50 * WIDE + 60].layer[SHADE_DIRECT] = rgb_grey(INFINITY);
-    add_noisy_sample(20, 20, 0, rgb_grey(1.0f), v3(0, 0, 1), -1.5f);  // a filter's negative lobe
+    add_noisy_sample(20, 20, 0, rgb_grey(1.0f), v3(0, 0, 1), 0.0f,
+                     -1.5f);  // a filter's negative lobe
     assert_true(render_noise_change(&noise_image, noise_pool));
     for (size_t i = 0; i < PIXELS; i++) assert_true(change_finite(i));
     assert_true(rgb_black(noise_change[30 * WIDE + 40].layer[NOISY_DIRECT]));
