@@ -19,6 +19,10 @@
 
 enum { THREADS_MAX = 1024 };
 
+// The seconds after which that is known: processes alternate within some ms, and limits of CPU time
+// are for tenths of a second.
+static const double FRACTION_KNOWN = 0.1;
+
 // Sets FTZ and DAZ: denormals cost hundreds of cycles each, and Embree asks for both flags on every
 // thread that traces rays.
 static void flush_denormals(void) {
@@ -68,6 +72,7 @@ static void run_chunk(struct parallel *pool, size_t chunk, int worker) {
 }
 
 static void run_chunks(struct parallel *pool, int worker) {
+    const double begun = stats_wall();
     double sum = 0.0, before = stats_thread();
     while (!parallel_cancelled(pool, worker)) {
         const size_t position = pool->division.running ? parallel_take_chunk(pool)
@@ -83,6 +88,7 @@ static void run_chunks(struct parallel *pool, int worker) {
     const bool ends = atomic_load(&pool->cancelled) || atomic_load(&pool->paused);
     if (pool->division.running && ends) parallel_close_chunks(pool);
     pool->worker_spent[worker] = sum;
+    pool->worker_busy[worker] = stats_wall() - begun;
 }
 
 static void *helper_main(void *arg) {
@@ -133,7 +139,8 @@ struct parallel *parallel_new(int threads) {
     pool->cpu = stats_thread();
     pool->helpers = calloc((size_t)threads, sizeof *pool->helpers);
     pool->worker_spent = calloc((size_t)threads, sizeof *pool->worker_spent);
-    if (!pool->helpers || !pool->worker_spent) {
+    pool->worker_busy = calloc((size_t)threads, sizeof *pool->worker_busy);
+    if (!pool->helpers || !pool->worker_spent || !pool->worker_busy) {
         parallel_free(pool);
         return NULL;
     }
@@ -161,6 +168,7 @@ void parallel_free(struct parallel *pool) {
     free(pool->division.read.state);
     free(pool->helpers);
     free(pool->worker_spent);
+    free(pool->worker_busy);
     free(pool);
 }
 
@@ -204,10 +212,12 @@ static void account_loop(struct parallel *pool) {
     double sum = 0.0, noted_sum = 0.0;
     for (int i = 0; i < pool->threads; i++) {
         sum += pool->worker_spent[i];
-        pool->worker_spent[i] = 0.0;
+        pool->busy_s += pool->worker_busy[i];
+        pool->worker_spent[i] = pool->worker_busy[i] = 0.0;
     }
     for (size_t i = 0; i < noted; i++) noted_sum += (double)pool->spent[i];
     part->parallel_s += sum;
+    pool->loops_s += sum;
     part->imbalance_s += schedule(pool->spent, noted) - noted_sum / PARALLEL_MODEL;
     part->loops += pool->loop.chunks > 1;
     const double wall = stats_wall();
@@ -237,6 +247,12 @@ const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
     account_serial(pool);
     *count = pool->part_count;
     return pool->part;
+}
+
+double parallel_loop_seconds(const struct parallel *pool) { return pool->loops_s; }
+
+double parallel_core_fraction(const struct parallel *pool) {
+    return pool->busy_s < FRACTION_KNOWN ? 1.0 : fmin(pool->loops_s / pool->busy_s, 1.0);
 }
 
 // ---- Loops --------------------------------------------------------------------------------------

@@ -154,6 +154,12 @@ enum { PARALLEL_MODEL = 64, PARALLEL_PARTS_MAX = 64 };
 const char *parallel_begin_part(struct parallel *pool, const char *name);
 // The name of the current part.
 const char *parallel_work_name(const struct parallel *pool);
+// The CPU seconds of all threads in loops so far.
+double parallel_loop_seconds(const struct parallel *pool);
+// What the threads have had of their cores in loops so far, in (0, 1]: their CPU time over the time
+// that they took. It is less than 1 where other processes run, or the CPU time of this one is
+// limited; 1 while it is not known.
+double parallel_core_fraction(const struct parallel *pool);
 // The parts so far, in the order in which they first began, owned by the pool. Sets *count.
 const struct parallel_part *parallel_parts(struct parallel *pool, int *count);
 

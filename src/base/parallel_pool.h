@@ -71,6 +71,8 @@ struct parallel {
     void *progress_user;
 
     double *worker_spent;       // CPU seconds of each worker in the current loop
+    double *worker_busy;        // seconds of each worker in the current loop
+    double loops_s, busy_s;     // both, of all workers in all loops so far
     float spent[CHUNKS_NOTED];  // CPU seconds of its first chunks
     struct parallel_part part[PARALLEL_PARTS_MAX];
     int part_count, current;  // number of parts; index of the current one

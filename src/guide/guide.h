@@ -102,7 +102,6 @@ struct guide_visibility;
 // How much is measured. All numbers are at least 1.
 struct guide_visibility_samples {
     int paths;       // from the eye, on which the points are
-    int paths_most;  // the same if hardly any light comes in; not less than paths
     int box_rays;    // rays per path that find the box whose faces have the bins of directions
     int bin_rays;    // rays through each bin
     int open_bins;   // the largest number of bins through which a cell traces all of them
@@ -121,6 +120,8 @@ size_t guide_visibility_bytes(const struct guide_visibility *visibility);
 // How many of the bytes of guide_visibility_most were never written, and so take no memory.
 size_t guide_visibility_unused(const struct satin_scene *scene,
                                const struct guide_visibility *visibility);
+// Whether openings are so small that hardly any ray from the points leaves the scene.
+bool guide_visibility_small(const struct guide_visibility *visibility);
 // The aim at the openings through which the environment is visible; NULL if they are not small. It
 // is owned by `visibility`, which may be NULL.
 const struct light_aim *guide_visibility_aim(const struct guide_visibility *visibility);

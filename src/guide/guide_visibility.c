@@ -7,8 +7,8 @@
 #include <limits.h>
 #include <stdlib.h>
 
-// Where less than this fraction of rays leave the scene, openings are small, and more paths find
-// them: it is .0001 to .0016 through holes and slits of 10 and 5 cm, and .013 or more through
+// Where less than this fraction of rays leave the scene, openings are small, which takes more paths
+// to find: it is .0001 to .0016 through holes and slits of 10 and 5 cm, and .013 or more through
 // windows.
 #define SMALL_OPENINGS 0.004f
 // The least fraction of a light, because a light that no ray has found may be visible.
@@ -101,30 +101,22 @@ static bool has_choice(const struct satin_scene *scene) {
     return scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHTS_MAX;
 }
 
-// Makes the cells by so many paths, none if these hit nothing, and finds the box of the histograms.
-// *arriving is set to the fraction of rays that leave the scene.
-static satin_status find_cells_by(struct learning *l, int paths, struct parallel *pool,
-                                  float *arriving) {
-    struct guide_cells *cells = &l->visibility->cells;
-    free(cells->point);
-    cells->point = NULL;
+// Makes the cells, none if the paths hit nothing, and finds the box of the histograms.
+static satin_status find_cells_and_box(struct learning *l, struct parallel *pool) {
+    struct guide_visibility *visibility = l->visibility;
+    struct guide_cells *cells = &visibility->cells;
+    const int paths = l->samples.paths;
+    float arriving = 1.0f;
     if (!guide_cells_make(l->scene, l->seed, paths, GUIDE_CELL_BOUNCES, pool, cells))
         return SATIN_ERROR_MEMORY;
     l->cells = cells->cell[0].count > 0 ? guide_cells_count(cells) : 0;
-    l->visibility->paths = paths;
-    *arriving = 1.0f;
+    visibility->paths = paths;
     if (l->cells == 0 || !has_far_light(l->scene)) return SATIN_OK;
     const size_t rays = (size_t)paths * (size_t)l->samples.box_rays;
-    return guide_box_find(l->scene, l->seed, cells, rays, pool, &l->visibility->box, arriving);
-}
-
-static satin_status find_cells_and_box(struct learning *l, struct parallel *pool) {
-    float arriving;
-    const satin_status status = find_cells_by(l, l->samples.paths, pool, &arriving);
-    l->visibility->small = arriving < SMALL_OPENINGS;
-    if (status != SATIN_OK || !l->visibility->small || l->samples.paths_most <= l->samples.paths)
-        return status;
-    return find_cells_by(l, l->samples.paths_most, pool, &arriving);
+    const satin_status status =
+        guide_box_find(l->scene, l->seed, cells, rays, pool, &visibility->box, &arriving);
+    visibility->small = arriving < SMALL_OPENINGS;
+    return status;
 }
 
 satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed,
@@ -150,6 +142,8 @@ satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t se
         free(visibility);
     return status;
 }
+
+bool guide_visibility_small(const struct guide_visibility *visibility) { return visibility->small; }
 
 const struct light_aim *guide_visibility_aim(const struct guide_visibility *visibility) {
     return visibility && visibility->aim.openings ? &visibility->aim : NULL;

@@ -32,8 +32,11 @@ void render_budget_begin(struct render *r);
 // Seconds since the render began; the same on all ranks, which must all call it.
 double render_elapsed(const struct render *r);
 // The seconds of a time limit times the threads of all ranks, which is what a budget of work grows
-// with; 0 without a limit.
+// with; 0 without a limit. Of two passes it is what this process has of the cores so far.
 double render_core_seconds(const struct render *r);
+// The seconds that the loops since parallel_loop_seconds was `before` would take, by their CPU time
+// and the fraction of the cores that this process has: a short loop may have them to itself.
+double render_loop_seconds(const struct render *r, double before);
 // The seconds that remain of options.time.
 double render_time_left(const struct render *r);
 
@@ -88,9 +91,16 @@ bool render_time_remains(const struct render *r);
 // The numbers of light paths for options->photons and options->caustic_photons, which may be those
 // of the options or a fraction of them; `core_seconds` as render_core_seconds.
 struct photon_paths render_budget_paths(const satin_options *options, double core_seconds);
-// With how many paths and rays the visibility of the lights is measured.
+// With how many paths and rays the visibility of the lights is measured, by a fraction of the
+// paths.
 struct guide_visibility_samples render_budget_visibility(const satin_options *options,
-                                                         double core_seconds);
+                                                         double fraction);
+// The fraction with which a render begins.
+double render_budget_first_visibility(const satin_options *options);
+// The fraction for the next attempt, after `fraction` took `seconds`; `fraction` itself if that is
+// the last. `small`: whether light comes through small openings alone.
+double render_budget_more_visibility(const satin_options *options, double fraction, double seconds,
+                                     bool small);
 // The number of light samples at each entry of irradiance, where those of a render without a time
 // limit would take `seconds` at all entries. With 4, means of single images were .5 % off in a room
 // lit through a door; 16 gain nothing. Where the environment is drawn by what is visible, the few

@@ -96,19 +96,22 @@ enum {
     // 64 leave 1.01, 1.00 and 1.00 times the variance, for .01, .02 and .08 seconds instead of .04.
     LIGHT_RAYS = 32
 };
-// With a time limit of less than this many core seconds, the paths for the visibility of lights and
-// for the pilot of caustics fall in proportion, down to MEASURED_LEAST of them. In living-room and
-// bathroom (320x180, 4 CPU seconds) they take 1.1 and .55, and .75 for the pilot, and many pixels
-// have no sample. With a quarter of them relMSE is .25 instead of 1.6, and .44 instead of 10; at 10
-// CPU seconds it is .8 times that of all in living-room, at 20 the same. With a quarter and a tenth
-// scenes of caustics have .83 to 1.1 times the error at 4 and 8 s, and eight rooms and gardens .7
-// to 1.3 times the variance at 4 and 10, 1.0 in the mean. Fewer paths for clusters gain nothing,
-// and a room lit by a spot had 2.7 times the error with a quarter of them at half a second.
+// With a time limit the visibility of lights is measured by this fraction of its paths, and then by
+// VISIBILITY_MORE times as many while these are expected to take less than VISIBILITY_MOST of the
+// limit: all of them take 1.6 CPU seconds in living-room and .2 in a room with a hole. Where the
+// process has a third of two cores for 8 s, relMSE x 10^4 of the case panes is 16 and 20; by all
+// paths, as eight seconds of both cores allow, it was 91 and 144.
+static const double VISIBILITY_FIRST = 1.0 / 16.0, VISIBILITY_MORE = 4.0, VISIBILITY_MOST = 0.1;
+// Light that comes through small openings alone is found by many paths only: with half of them at 2
+// core seconds, one of six images of a room with a hole of 10 cm had half of its direct light.
+static const double VISIBILITY_SMALL = 0.4;
+// With a time limit of less than this many core seconds, the paths for the pilot of caustics fall
+// in proportion, down to MEASURED_LEAST of them. In living-room and bathroom (320x180, 4 CPU
+// seconds) they take .75. With a quarter and a tenth, scenes of caustics have .83 to 1.1 times the
+// error at 4 and 8 s, and eight rooms and gardens .7 to 1.3 times the variance at 4 and 10, 1.0 in
+// the mean. Fewer paths for clusters gain nothing, and a room lit by a spot had 2.7 times the error
+// with a quarter of them at half a second.
 static const double MEASURED_SECONDS = 20.0, MEASURED_LEAST = 1.0 / 16.0;
-// Through small openings, the paths for visibility fall below so many times fewer seconds: with
-// half of them at 2 core seconds, one of six images of a room with a hole of 10 cm had half of its
-// direct light.
-static const double SMALL_LONGER = 20.0;
 
 // The light samples of an entry where a part of the environment is visible. With a time limit there
 // are fewer, down to SKY_LEAST, where all entries would take more than DIRECT_FRACTION of it. In a
@@ -137,8 +140,7 @@ double render_budget_direct(const struct render *r, double seconds) {
 
 double render_budget_first_photons(void) { return FIRST_PHOTONS; }
 
-// The fraction of the samples by which the first pass finds where light is that a time limit
-// allows.
+// The fraction of the paths of the pilot of caustics that a time limit allows.
 static double measured_fraction(double core_seconds) {
     if (!(core_seconds > 0.0)) return 1.0;
     return fmin(fmax(core_seconds / MEASURED_SECONDS, MEASURED_LEAST), 1.0);
@@ -168,16 +170,25 @@ struct photon_paths render_budget_paths(const satin_options *o, double core_seco
     };
 }
 
-struct guide_visibility_samples render_budget_visibility(const satin_options *o,
-                                                         double core_seconds) {
+double render_budget_first_visibility(const satin_options *o) {
+    return o->time > 0.0 ? VISIBILITY_FIRST : 1.0;
+}
+
+double render_budget_more_visibility(const satin_options *o, double fraction, double seconds,
+                                     bool small) {
+    const double more = fmin(VISIBILITY_MORE * fraction, 1.0), all = seconds / fraction;
+    const double most = (small ? VISIBILITY_SMALL : VISIBILITY_MOST) * o->time;
+    if (VISIBILITY_MORE * all <= most) return 1.0;
+    return more * all <= most ? more : fraction;
+}
+
+struct guide_visibility_samples render_budget_visibility(const satin_options *o, double fraction) {
     const int64_t rays = o->photons / BIN_PER < BIN_RAYS ? o->photons / BIN_PER : BIN_RAYS;
-    return (struct guide_visibility_samples){
-        .paths = (int)(VISIBILITY_PATHS * measured_fraction(core_seconds)),
-        .paths_most = (int)(VISIBILITY_PATHS * measured_fraction(SMALL_LONGER * core_seconds)),
-        .box_rays = BOX_RAYS,
-        .bin_rays = rays < 1 ? 1 : (int)rays,
-        .open_bins = OPEN_BINS,
-        .light_rays = LIGHT_RAYS};
+    return (struct guide_visibility_samples){.paths = (int)(VISIBILITY_PATHS * fraction),
+                                             .box_rays = BOX_RAYS,
+                                             .bin_rays = rays < 1 ? 1 : (int)rays,
+                                             .open_bins = OPEN_BINS,
+                                             .light_rays = LIGHT_RAYS};
 }
 
 // The factor of the photons of a map that is not starved, where there is time for it.

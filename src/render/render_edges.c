@@ -395,9 +395,9 @@ static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
 // The time that all edges take, measured at some, whose changes are not applied.
 static double edges_seconds(struct surface_edges *e) {
     const size_t step = e->list.count / EDGES_TIMED + 1, timed = e->list.count / step;
-    const double start = stats_wall();
+    const double before = parallel_loop_seconds(e->r->pool);
     parallel_for_all(e->r->pool, timed, EDGES_CHUNK / 8, time_edges, e);
-    return (stats_wall() - start) * (double)step;
+    return render_loop_seconds(e->r, before) * (double)step;
 }
 
 // The rays of all edges when their pixels have `growth` times the samples.
@@ -425,10 +425,10 @@ void render_edges_plan(struct render *r) {
                  later = fmin(1.0 + more / (double)image->taken, PLAN_AGAIN),
                  growth = sum_edge_rays(&e, later) / fmax(sum_edge_rays(&e, 1.0), 1.0),
                  most = EDGES_FRACTION * r->options.time, left = render_budget_left(r);
-    double seconds = growth * render_agreed(r, edges_seconds(&e));
+    double seconds = growth * edges_seconds(&e);
     while (seconds > fmin(most, left) && e.ray_shift < RAY_SHIFT_MOST) {
         e.ray_shift++;
-        seconds = growth * render_agreed(r, edges_seconds(&e));
+        seconds = growth * edges_seconds(&e);
     }
     if (seconds <= fmin(1.5 * most, left)) {
         image->edges_fit = true;

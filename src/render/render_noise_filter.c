@@ -439,9 +439,9 @@ double render_noise_pixel_seconds(void) {
             trial->pixel[i].weight = 1.0f;
             trial->noisy_light[i].sampled = 1.0f;
         }
-        const double start = stats_wall();
+        const double start = stats_thread();
         filter_tile(tile, trial, 0, 0);
-        seconds = OF_ALL_CORES * (stats_wall() - start) / (TILE * TILE);
+        seconds = OF_ALL_CORES * (stats_thread() - start) / (TILE * TILE);
     }
     render_image_free(trial);
     free(tile);

@@ -21,16 +21,33 @@ static satin_status end_pilot(struct render *r, satin_status status) {
     return render_limit_end(r, status);
 }
 
+// Measures the visibility of the lights by a fraction of the paths. Returns that for another
+// attempt, or the same one.
+static double measure_visibility(struct render *r, double fraction, satin_status *status) {
+    const double start = stats_wall();
+    struct guide_visibility **made = &r->first_pass.visibility;
+    guide_visibility_free(*made);
+    *status = guide_visibility_build(
+        &r->scene, r->options.seed, render_budget_visibility(&r->options, fraction), r->pool, made);
+    if (*status != SATIN_OK || !*made) return fraction;
+    return render_budget_more_visibility(&r->options, fraction,
+                                         render_agreed(r, stats_wall() - start),
+                                         guide_visibility_small(*made));
+}
+
 satin_status render_visibility(struct render *r) {
     if (!r->options.guide_visibility || r->options.integrator != SATIN_TWO_PASS ||
         r->first_pass.visibility)
         return SATIN_OK;
     const double start = stats_wall();
+    double fraction, more = render_budget_first_visibility(&r->options);
+    satin_status status;
     parallel_begin_part(r->pool, "visibility");
     begin_pilot(r);
-    const satin_status status = guide_visibility_build(
-        &r->scene, r->options.seed, render_budget_visibility(&r->options, render_core_seconds(r)),
-        r->pool, &r->first_pass.visibility);
+    do {
+        fraction = more;
+        more = measure_visibility(r, fraction, &status);
+    } while (more > fraction);
     stats_add(&r->stats, "photons.visibility_s", stats_wall() - start);
     return end_pilot(r, status);
 }
@@ -155,11 +172,11 @@ static satin_status expected_direct(const struct render *r, double first, double
     *seconds = 0.0;
     if (!photon_precomputes_direct(&r->options)) return SATIN_OK;
     const struct gather g = render_gather(r);
-    const double start = stats_wall();
+    const double before = parallel_loop_seconds(r->pool);
     double fraction;
     const satin_status status =
         gather_direct_try(&g, r->first_pass.samples, ENTRIES_TIMED, r->pool, &fraction);
-    *seconds = render_agreed(r, stats_wall() - start) / (fraction * first);
+    *seconds = render_loop_seconds(r, before) / (fraction * first);
     return status;
 }
 

@@ -242,9 +242,9 @@ static void time_rays(void *ctx, size_t begin, size_t end, int worker) {
 static double ray_seconds(struct rims *rims) {
     struct parallel *pool = rims->r->pool;
     const size_t step = rims->list.count / RIMS_TIMED + 1, timed = rims->list.count / step;
-    const double start = stats_wall();
+    const double before = parallel_loop_seconds(pool);
     parallel_for_all(pool, timed, RIMS_CHUNK, time_rays, rims);
-    return render_agreed(rims->r, stats_wall() - start) * parallel_threads(pool) * (double)step;
+    return render_agreed(rims->r, parallel_loop_seconds(pool) - before) * (double)step;
 }
 
 // Likewise, of all pixels at rims.

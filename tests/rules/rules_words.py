@@ -128,8 +128,8 @@ IDENTIFIERS = {
         "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
     "Guide": ("guid(?:es?|ed|ing)", {
         r"(?:guide|GUIDE)_\w+": "src/(?:guide|gather|photon)/",
-        r"guide_(?:clusters|emission|visibility)(?:_(?:aim|build|bytes|free|most|samples|unused))?"
-        "|GUIDE_SEEN_PATHS_MAX"
+        r"guide_(?:clusters|emission|visibility)"
+        "(?:_(?:aim|build|bytes|free|most|samples|small|unused))?|GUIDE_SEEN_PATHS_MAX"
         : "include/satin/options|src/render/",
         "guided|GUIDED|gather_rays_guided": "src/gather/"}),
     "Curve": ("curves?", {

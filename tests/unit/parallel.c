@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "base/parallel.h"
+#include "base/stats.h"
 
 enum { ITEMS = 1000, THREADS = 3 };
 
@@ -160,6 +161,31 @@ static void many_parts_are_accounted_for(void **state) {
     parallel_free(pool);
 }
 
+// A chunk that works, and then waits for as long, as one of a process that has half of a core.
+static void works_and_waits(void *ctx, size_t begin, size_t end, int worker) {
+    const double wall = stats_wall(), cpu = stats_thread();
+    (void)ctx;
+    (void)begin;
+    (void)end;
+    (void)worker;
+    while (stats_thread() - cpu < 0.005) continue;
+    const double spent = stats_wall() - wall;
+    nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * spent)}, NULL);
+}
+
+static void the_fraction_of_the_cores_is_known_after_a_moment(void **state) {
+    (void)state;
+    struct parallel *pool = parallel_new(1);
+    assert_true(parallel_core_fraction(pool) == 1.0);
+    assert_true(parallel_loop_seconds(pool) == 0.0);
+    assert_true(parallel_for(pool, 1, 1, works_and_waits, NULL));
+    assert_true(parallel_core_fraction(pool) == 1.0);
+    assert_true(parallel_for(pool, 20, 1, works_and_waits, NULL));
+    assert_true(parallel_loop_seconds(pool) >= 0.1);
+    assert_true(parallel_core_fraction(pool) > 0.0 && parallel_core_fraction(pool) < 0.55);
+    parallel_free(pool);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_computed_once),
@@ -167,6 +193,7 @@ int main(void) {
         cmocka_unit_test(cancellation_ends_long_chunks),
         cmocka_unit_test(parts_know_what_is_serial),
         cmocka_unit_test(many_parts_are_accounted_for),
+        cmocka_unit_test(the_fraction_of_the_cores_is_known_after_a_moment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -152,7 +152,7 @@ static void as_many_paths_show_the_view_as_it_can_hold(void **state) {
     const satin_options o = {.photons = 1 << 20};
     const int seen = render_budget_paths(&o, 0.0).seen;
     assert_true(seen >= 1 && seen <= GUIDE_SEEN_PATHS_MAX);
-    assert_true(render_budget_visibility(&o, 0.0).paths >= seen);
+    assert_true(render_budget_visibility(&o, 1.0).paths >= seen);
 }
 
 static void a_short_limit_measures_less(void **state) {
@@ -164,9 +164,26 @@ static void a_short_limit_measures_less(void **state) {
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
         const double seconds = expected[i].core_seconds, fraction = expected[i].fraction;
         assert_true(render_budget_paths(&o, seconds).emission == (int)(fraction * 32768.0));
-        assert_true(render_budget_visibility(&o, seconds).paths == (int)(fraction * 4096.0));
     }
-    assert_int_equal(render_budget_visibility(&o, 1.0).paths_most, 4096);
+}
+
+// All paths, unless a tenth of a second by the first ones shows that the limit is too short.
+static void visibility_is_measured_by_what_a_limit_allows(void **state) {
+    (void)state;
+    satin_options o = {.photons = 3};
+    assert_true(render_budget_first_visibility(&o) == 1.0);
+    assert_int_equal(render_budget_visibility(&o, 1.0).paths, 4096);
+    o.time = 100.0;
+    const double first = render_budget_first_visibility(&o);
+    assert_true(first < 0.25);
+    assert_int_equal(render_budget_visibility(&o, first).paths, (int)(first * 4096.0));
+    assert_true(render_budget_more_visibility(&o, first, 0.05, false) == 1.0);
+    assert_true(render_budget_more_visibility(&o, first, 0.5, false) == 4.0 * first);
+    assert_true(render_budget_more_visibility(&o, 0.5, 0.1, false) == 1.0);
+    assert_true(render_budget_more_visibility(&o, 1.0, 0.1, false) == 1.0);
+    o.time = 1.0;
+    assert_true(render_budget_more_visibility(&o, first, 0.1, false) == first);
+    assert_true(render_budget_more_visibility(&o, first, 0.05, true) == 4.0 * first);
 }
 
 static void rays_per_bin_grow_with_photons(void **state) {
@@ -177,7 +194,7 @@ static void rays_per_bin_grow_with_photons(void **state) {
     } expected[] = {{0, 1}, {199999, 1}, {200000, 2}, {300000, 3}, {1 << 24, 4}};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
         assert_int_equal(
-            render_budget_visibility(&(satin_options){.photons = expected[i].photons}, 0.0)
+            render_budget_visibility(&(satin_options){.photons = expected[i].photons}, 1.0)
                 .bin_rays,
             expected[i].rays);
 }
@@ -369,6 +386,7 @@ int main(void) {
         cmocka_unit_test(the_number_of_paths_follows_from_that_of_photons),
         cmocka_unit_test(as_many_paths_show_the_view_as_it_can_hold),
         cmocka_unit_test(a_short_limit_measures_less),
+        cmocka_unit_test(visibility_is_measured_by_what_a_limit_allows),
         cmocka_unit_test(rays_per_bin_grow_with_photons),
         cmocka_unit_test(samples_gather_less_with_a_limit),
         cmocka_unit_test(lookups_of_fewer_photons_are_wider),
