@@ -99,8 +99,8 @@ enum {
 // With a time limit the visibility of lights is measured by this fraction of its paths, and then by
 // VISIBILITY_MORE times as many while these are expected to take less than VISIBILITY_MOST of the
 // limit: all of them take 1.6 CPU seconds in living-room and .2 in a room with a hole. Where the
-// process has a third of two cores for 8 s, relMSE x 10^4 of the case panes is 16 and 20; by all
-// paths, as eight seconds of both cores allow, it was 91 and 144.
+// process has a third of two cores for 8 s, relMSE x 10^4 of the case panes is 21 to 24 and once
+// 71; by all paths, as eight seconds of both cores allow, it was 91 and 144.
 static const double VISIBILITY_FIRST = 1.0 / 16.0, VISIBILITY_MORE = 4.0, VISIBILITY_MOST = 0.1;
 // Light that comes through small openings alone is found by many paths only: with half of them at 2
 // core seconds, one of six images of a room with a hole of 10 cm had half of its direct light.

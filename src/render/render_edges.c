@@ -4,7 +4,8 @@
 // sample. So such pixels have many of these rays, and where the surfaces that the samples have met
 // differ in the mean from those that all have, light is added for the difference: by a linear
 // regression of light on surfaces over the pixels around. Whether a pixel is at an edge, and the
-// regression, follow from other pixels alone, so the expected value stays.
+// regression, follow from other pixels alone, so the expected value stays. Mirrors and panes
+// count as the surface that they show.
 #include <math.h>
 #include <stdlib.h>
 
@@ -46,7 +47,7 @@ static const double EDGES_FRACTION = 0.1, PLAN_AGAIN = 2.0;
 // What is added to the means of a pixel.
 struct pixel_change {
     rgb light[REGRESSION_LAYERS];
-    struct shade_surface surface;  // before it is known, the mean over the rays
+    struct shade_surface surface;  // the first one
 };
 _Static_assert(sizeof(struct pixel_change) + sizeof(uint32_t) + 1 <= RENDER_EDGES_BYTES, "memory");
 
@@ -65,9 +66,18 @@ static struct shade_surface scale_surface(const struct shade_surface *s, float s
                                   s->depth * scale, s->alpha * scale};
 }
 
-static struct shade_surface mean_surface(const struct image_pixel *pixel) {
+static struct shade_surface mean_first(const struct image_pixel *pixel) {
     const struct shade_surface sum = {pixel->layer[SHADE_ALBEDO], pixel->layer[SHADE_NORMAL],
                                       pixel->depth, pixel->alpha};
+    return scale_surface(&sum, render_image_scale(pixel));
+}
+
+// The mean of what the first surfaces show, if the filter of noise has it.
+static struct shade_surface mean_shown(const struct render_image *image, size_t at) {
+    const struct image_pixel *pixel = &image->pixel[at];
+    if (!image->noisy_light) return mean_first(pixel);
+    struct shade_surface sum = image->noisy_light[at].shown;
+    sum.alpha = pixel->alpha;
     return scale_surface(&sum, render_image_scale(pixel));
 }
 
@@ -99,14 +109,14 @@ static void compare_neighbours(void *ctx, size_t begin, size_t end, int worker) 
     (void)worker;
     for (size_t at = begin; at < end; at++) {
         const int x = (int)(at % (size_t)image->width), y = (int)(at / (size_t)image->width);
-        const struct shade_surface own = mean_surface(&image->pixel[at]);
+        const struct shade_surface own = mean_shown(image, at);
         e->differs[at] = 0;
         for (int i = 0; i < FORWARDS && image->pixel[at].samples; i++) {
             const int u = x + FORWARD[i][0], v = y + FORWARD[i][1];
             if (!in_image(image, u, v)) continue;
-            const struct image_pixel *other = &image->pixel[index_at(image, u, v)];
-            const struct shade_surface surface = mean_surface(other);
-            if (other->samples && !alike(&own, &surface, EDGE_ALIKE))
+            const size_t other = index_at(image, u, v);
+            const struct shade_surface surface = mean_shown(image, other);
+            if (image->pixel[other].samples && !alike(&own, &surface, EDGE_ALIKE))
                 e->differs[at] |= (uint8_t)(1 << i);
         }
     }
@@ -182,7 +192,7 @@ static void read_neighbours(const struct render_image *image, size_t at, struct 
             const size_t from = index_at(image, u, v);
             const struct image_pixel *pixel = &image->pixel[from];
             if (from == at || !pixel->samples) continue;
-            const struct shade_surface surface = mean_surface(pixel);
+            const struct shade_surface surface = mean_shown(image, from);
             put_surface(&surface, g->x[g->count]);
             put_light(image, from, g->y[g->count]);
             g->weight[g->count++] = (float)pixel->samples * near_weight(u - x, v - y);
@@ -207,32 +217,40 @@ static bool same_shape(const struct shade_surface *a, const struct shade_surface
     return alike(a, &other, EDGE_ALIKE);
 }
 
-// The mean of the surfaces that the rays of a pixel see, by the filter's weights.
-static struct shade_surface trace_surfaces(const struct surface_edges *e, size_t at) {
-    const size_t width = (size_t)e->r->image->width;
-    const struct shade *shade = &e->r->second_pass.shade;
-    const uint32_t rays = count_edge_rays(e, e->r->image->pixel[at].samples);
-    struct shade_surface first = {0}, sum = {0};
-    float weights = 0.0f;
-    for (uint32_t k = 0; k < rays; k++) {
-        struct shade_surface s;
-        const float weight = render_usable_weight(
-            weights, k, shade_find_surface(shade, (int)(at % width), (int)(at / width), k, &s));
-        if (k == 0) first = s;
-        if (!same_shape(&first, &s)) e->differs[at] |= CROSSED;
-        sum.albedo = rgb_mad(sum.albedo, s.albedo, weight);
-        sum.normal = rgb_mad(sum.normal, s.normal, weight);
-        sum.depth += s.depth * weight;
-        sum.alpha += s.alpha * weight;
-        weights += weight;
-    }
-    return scale_surface(&sum, 1.0f / weights);
+// The first surfaces of a pixel, and what they show.
+struct pixel_surfaces {
+    struct shade_surface first, shown;
+};
+
+static void add_surface(struct shade_surface *sum, const struct shade_surface *s, float weight) {
+    sum->albedo = rgb_mad(sum->albedo, s->albedo, weight);
+    sum->normal = rgb_mad(sum->normal, s->normal, weight);
+    sum->depth += s->depth * weight;
+    sum->alpha += s->alpha * weight;
 }
 
-static void trace_edges(void *ctx, size_t begin, size_t end, int worker) {
-    const struct surface_edges *e = ctx;
-    (void)worker;
-    for (size_t i = begin; i < end; i++) e->change[i].surface = trace_surfaces(e, e->list.pixel[i]);
+// The means of the surfaces that the rays of a pixel see, by the filter's weights.
+static struct pixel_surfaces trace_surfaces(const struct surface_edges *e, size_t at) {
+    const struct render_image *image = e->r->image;
+    const size_t width = (size_t)image->width;
+    const struct shade *shade = &e->r->second_pass.shade;
+    const uint32_t rays = count_edge_rays(e, image->pixel[at].samples);
+    struct pixel_surfaces begin = {0}, sum = {0};
+    float weights = 0.0f;
+    for (uint32_t k = 0; k < rays; k++) {
+        struct pixel_surfaces s;
+        const float found = shade_find_surface(shade, (int)(at % width), (int)(at / width), k,
+                                               &s.first, image->noisy_light ? &s.shown : NULL);
+        if (!image->noisy_light) s.shown = s.first;
+        const float weight = render_usable_weight(weights, k, found);
+        if (k == 0) begin = s;
+        if (!same_shape(&begin.shown, &s.shown)) e->differs[at] |= CROSSED;
+        add_surface(&sum.first, &s.first, weight);
+        add_surface(&sum.shown, &s.shown, weight);
+        weights += weight;
+    }
+    return (struct pixel_surfaces){scale_surface(&sum.first, 1.0f / weights),
+                                   scale_surface(&sum.shown, 1.0f / weights)};
 }
 
 // ---- The change of a pixel ----------------------------------------------------------------------
@@ -291,13 +309,15 @@ static void take_filter_back(const struct surface_edges *e, size_t at, const str
     }
 }
 
-// Light does not leave the range of that of the pixels around, and is not negative.
+// Changes the light as the surfaces that are shown do. It does not leave the range of that of the
+// pixels around, and is not negative.
 static void change_light(const struct surface_edges *e, size_t at, const struct regression *g,
-                         const struct shade_surface *met, struct pixel_change *out) {
+                         const struct shade_surface *met, const struct shade_surface *shown,
+                         struct pixel_change *out) {
     float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
     put_light(e->r->image, at, own);
     take_filter_back(e, at, g, met, own, out);
-    put_surface(&out->surface, dx);
+    put_surface(shown, dx);
     render_regression_change(g, dx, change);
     for (int c = 0; c < REGRESSION_VALUES; c++) {
         const float all = -at_least(ALMOST_ALL * own[c], 0.0f);
@@ -310,24 +330,28 @@ static void change_light(const struct surface_edges *e, size_t at, const struct 
             rgb_add(out->light[k], rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]));
 }
 
+// Finds the change of a pixel by its rays.
+static void change_edge(const struct surface_edges *e, size_t at, struct pixel_change *change) {
+    const struct render_image *image = e->r->image;
+    const struct image_pixel *pixel = &image->pixel[at];
+    const uint32_t samples = pixel->samples, rays = count_edge_rays(e, samples);
+    const struct pixel_surfaces met = {mean_first(pixel), mean_shown(image, at)},
+                                found = trace_surfaces(e, at);
+    struct regression g;
+    *change = (struct pixel_change){0};
+    if (alike(&met.shown, &found.shown, EDGE_NONE)) return;
+    read_neighbours(image, at, &g);
+    if (g.count < REGRESSION_LEAST) return;
+    change->surface = surface_change(&met.first, samples, &found.first, rays);
+    const struct shade_surface shown = surface_change(&met.shown, samples, &found.shown, rays);
+    render_regression_fit(&g);
+    change_light(e, at, &g, &met.shown, &shown, change);
+}
+
 static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
     const struct surface_edges *e = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        struct regression g;
-        const size_t at = e->list.pixel[i];
-        const struct image_pixel *pixel = &e->r->image->pixel[at];
-        struct pixel_change *change = &e->change[i];
-        const struct shade_surface met = mean_surface(pixel), found = change->surface;
-        *change = (struct pixel_change){0};
-        if (alike(&met, &found, EDGE_NONE)) continue;
-        read_neighbours(e->r->image, at, &g);
-        if (g.count < REGRESSION_LEAST) continue;
-        change->surface =
-            surface_change(&met, pixel->samples, &found, count_edge_rays(e, pixel->samples));
-        render_regression_fit(&g);
-        change_light(e, at, &g, &met, change);
-    }
+    for (size_t i = begin; i < end; i++) change_edge(e, e->list.pixel[i], &e->change[i]);
 }
 
 static void change_sum(rgb *sum, rgb change, float weight) {
@@ -386,10 +410,7 @@ static bool edges_make(struct surface_edges *e, struct render *r, bool *failed) 
 static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
     const struct surface_edges *e = ctx;
     const size_t step = e->list.count / EDGES_TIMED + 1;
-    for (size_t i = begin; i < end; i++) {
-        trace_edges(ctx, i * step, i * step + 1, worker);
-        change_edges(ctx, i * step, i * step + 1, worker);
-    }
+    for (size_t i = begin; i < end; i++) change_edges(ctx, i * step, i * step + 1, worker);
 }
 
 // The time that all edges take, measured at some, whose changes are not applied.
@@ -444,7 +465,6 @@ bool render_edges(struct render *r) {
     if (r->options.time > 0.0 && !r->image->edges_fit) return true;
     if (!edges_make(&e, r, &failed)) return !failed;
     if (r->options.time > 0.0) e.ray_shift = r->image->edge_ray_shift;
-    parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, trace_edges, &e);
     parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, change_edges, &e);
     apply_changes(&e);
     stats_set(&r->stats, "image.edge_pixels", (double)e.list.count);

@@ -165,10 +165,11 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 // sequence of rays. *weight as of a sample.
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight);
 
-// The first surface that eye ray number `index` of pixel (x, y) sees, from a separate sequence of
-// rays, as samples see it. Returns the weight as of a sample.
+// The first surface that eye ray number `index` of pixel (x, y) sees, and unless NULL what it shows
+// (shade_sample.shown), from a separate sequence of rays, as samples see them. Returns the weight
+// as of a sample.
 float shade_find_surface(const struct shade *shade, int x, int y, uint32_t index,
-                         struct shade_surface *out);
+                         struct shade_surface *first, struct shade_surface *shown);
 
 // The features seen by eye ray number `index` of pixel (x, y), from a separate sequence of rays
 // (shade_features.c). Returns the weight as of a sample.

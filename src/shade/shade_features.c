@@ -9,19 +9,27 @@ struct shade_surface shade_surface_of(const struct shading_point *p) {
 }
 
 float shade_find_surface(const struct shade *shade, int x, int y, uint32_t index,
-                         struct shade_surface *out) {
+                         struct shade_surface *first, struct shade_surface *shown) {
     const struct satin_scene *scene = shade->g->scene;
-    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_FEATURE);
+    const struct sampler begin = shade_eye_sampler(shade->g, x, y, index, RNG_FEATURE);
+    struct sampler sampler = begin;
     struct shade_camera_sample camera;
     const struct ray ray = shade_eye_ray(shade, x, y, &sampler, &camera);
     struct interaction s;
-    *out = (struct shade_surface){.alpha = shade_coverage(shade, false)};
+    *first = (struct shade_surface){.alpha = shade_coverage(shade, false)};
+    if (shown) *shown = *first;
     if (!scene_intersect(scene, &ray, &s)) return camera.weight;
     struct shading_point point;
     s.footprint = shade->sharpness * camera.spread * s.t;
     scene_shading_point_of(scene, scene_draw_component(scene, &s, v3_neg(ray.d)), &s, ray.d,
                            &point);
-    *out = shade_surface_of(&point);
+    *first = shade_surface_of(&point);
+    if (shown) *shown = *first;
+    if (!shown || point.lobes & BRDF_SMOOTH) return camera.weight;
+    struct shade_eye eye;
+    sampler = begin;
+    shade_eye_trace(shade, x, y, &sampler, &eye);
+    shade_find_shown(&eye, shown);
     return camera.weight;
 }
 

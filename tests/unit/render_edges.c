@@ -31,7 +31,13 @@ enum { SIDE = 48, PIXELS = SIDE * SIDE };
     "</transform><bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' " \
     "value='.8 .7 .6'/></bsdf></bsdf></shape>"
 
+// Between them and the eye.
+#define PANE                                                                                  \
+    "<shape type='rectangle'><transform name='to_world'><scale value='9'/><translate z='3'/>" \
+    "</transform><bsdf type='thindielectric'/></shape>"
+
 static int tiled_seed;
+static const char *tiled_depth = "2";
 static const char *tiled_filter = "off";  // of noise
 static float tiled_albedo[PIXELS];        // red, of the last image
 
@@ -44,14 +50,10 @@ static void render_tiled(const char *body, const char *spp, const char *edge_ray
     snprintf(text, sizeof text, "<scene version='3.0.0'>" LOOKING_DOWN "%s</scene>", body);
     satin_scene *scene = scene_case_load(&c, text);
     assert_non_null(scene);
-    const satin_setting settings[] = {{"quality", "draft"},
-                                      {"spp", spp},
-                                      {"max-depth", "2"},
-                                      {"photons", "2000"},
-                                      {"light-samples", "16"},
-                                      {"adaptive-sampling", "off"},
-                                      {"noise-filter", tiled_filter},
-                                      {"edge-rays", edge_rays}};
+    const satin_setting settings[] = {{"quality", "draft"},           {"spp", spp},
+                                      {"max-depth", tiled_depth},     {"photons", "2000"},
+                                      {"light-samples", "16"},        {"adaptive-sampling", "off"},
+                                      {"noise-filter", tiled_filter}, {"edge-rays", edge_rays}};
     satin_options options;
     assert_int_equal(satin_options_resolve(scene, settings, sizeof settings / sizeof *settings,
                                            NULL, NULL, &options),
@@ -124,6 +126,25 @@ static void edges_are_not_filtered(void **state) {
     assert_true(filtered < 1.2 * plain);
 }
 
+static void edges_behind_panes_are_found(void **state) {
+    (void)state;
+    static const char tiled[] = GROUND TILE("1", ".1 .2 .1") PANE;
+    static float exact[3 * PIXELS], without[3 * PIXELS], with[3 * PIXELS];
+    double bias;
+    tiled_depth = "4";
+    render_tiled(tiled, "512", "0", 2, exact);
+    tiled_filter = "on";
+    render_tiled(tiled, "2", "0", 2, without);
+    render_tiled(tiled, "2", "16", 2, with);
+    tiled_filter = "off";
+    tiled_depth = "2";
+    const double before = edge_difference(without, exact, &bias),
+                 after = edge_difference(with, exact, &bias);
+    assert_true(before > 1e-3);
+    assert_true(after < 0.15 * before);
+    assert_true(fabs(bias) < 2e-3);
+}
+
 // Compositing and denoisers need features that agree with the light.
 static void features_are_corrected_with_the_light(void **state) {
     (void)state;
@@ -192,6 +213,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edges_have_the_light_of_what_they_show),
         cmocka_unit_test(edges_are_not_filtered),
+        cmocka_unit_test(edges_behind_panes_are_found),
         cmocka_unit_test(features_are_corrected_with_the_light),
         cmocka_unit_test(thin_strips_stay_as_bright),
         cmocka_unit_test(changes_do_not_depend_on_threads),
