@@ -19,9 +19,9 @@
 
 enum { THREADS_MAX = 1024 };
 
-// The seconds after which that is known: processes alternate within some ms, and limits of CPU time
-// are for tenths of a second.
-static const double FRACTION_KNOWN = 0.1;
+// The seconds of loops after which it is known how many cores the threads have: processes alternate
+// within some ms, and limits of CPU time are for tenths of a second.
+static const double HAD_KNOWN = 0.1;
 
 // Sets FTZ and DAZ: denormals cost hundreds of cycles each, and Embree asks for both flags on every
 // thread that traces rays.
@@ -251,8 +251,15 @@ const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
 
 double parallel_loop_seconds(const struct parallel *pool) { return pool->loops_s; }
 
-double parallel_core_fraction(const struct parallel *pool) {
-    return pool->busy_s < FRACTION_KNOWN ? 1.0 : fmin(pool->loops_s / pool->busy_s, 1.0);
+int parallel_cores_of(int threads) {
+    const int all = parallel_cores(threads), available = cores_available();
+    return all < available ? all : available;
+}
+
+double parallel_cores_had(const struct parallel *pool) {
+    const bool known = pool->busy_s >= HAD_KNOWN && pool->loops_s > 0.0;
+    if (!known) return parallel_cores_of(pool->threads);
+    return pool->threads * fmin(pool->loops_s / pool->busy_s, 1.0);
 }
 
 // ---- Loops --------------------------------------------------------------------------------------

@@ -26,6 +26,8 @@ typedef bool (*parallel_progress_fn)(void *user, double done);
 // The number of threads of a pool of `threads`: at most 1024; 0 is one per core that the process
 // may use.
 int parallel_cores(int threads);
+// The number of cores that such a pool can have.
+int parallel_cores_of(int threads);
 // A pool of `threads` workers, including the calling thread; 0 is one per core that the process may
 // use. NULL if threads could not be started. Free it with parallel_free.
 struct parallel *parallel_new(int threads);
@@ -156,10 +158,10 @@ const char *parallel_begin_part(struct parallel *pool, const char *name);
 const char *parallel_work_name(const struct parallel *pool);
 // The CPU seconds of all threads in loops so far.
 double parallel_loop_seconds(const struct parallel *pool);
-// What the threads have had of their cores in loops so far, in (0, 1]: their CPU time over the time
-// that they took. It is less than 1 where other processes run, or the CPU time of this one is
-// limited; 1 while it is not known.
-double parallel_core_fraction(const struct parallel *pool);
+// The number of cores that the threads have had in loops so far: their CPU time per second, times
+// their number. It is less than that where other processes run, or the CPU time of this one is
+// limited; that of parallel_cores_of while it is not known.
+double parallel_cores_had(const struct parallel *pool);
 // The parts so far, in the order in which they first began, owned by the pool. Sets *count.
 const struct parallel_part *parallel_parts(struct parallel *pool, int *count);
 

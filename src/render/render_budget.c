@@ -136,24 +136,22 @@ static double time_limit(const struct render *r) {
     return r->options.time > 0.0 ? r->options.time : INFINITY;
 }
 
-// The other integrators make their photons again when they are resumed, and must not measure.
-static double core_fraction(const struct render *r) {
+// The cores that this process has had. The other integrators make their photons again when they are
+// resumed, and must not measure.
+static double cores_had(const struct render *r) {
     const bool known = r->pool && r->options.time > 0.0 && r->options.integrator == SATIN_TWO_PASS;
-    return known ? render_agreed(r, parallel_core_fraction(r->pool)) : 1.0;
+    return known ? render_agreed(r, parallel_cores_had(r->pool))
+                 : parallel_cores_of(r->options.threads);
 }
 
 double render_core_seconds(const struct render *r) {
     const int ranks = r->callbacks.ranks ? r->callbacks.ranks->count : 1;
-    return r->options.time * parallel_cores(r->options.threads) * ranks * core_fraction(r);
-}
-
-// The cores of which this process has had all time so far.
-static double cores_had(const struct render *r) {
-    return parallel_threads(r->pool) * parallel_core_fraction(r->pool);
+    return r->options.time * ranks * cores_had(r);
 }
 
 double render_loop_seconds(const struct render *r, double before) {
-    return render_agreed(r, (parallel_loop_seconds(r->pool) - before) / cores_had(r));
+    const double spent = parallel_loop_seconds(r->pool) - before;
+    return render_agreed(r, spent / parallel_cores_had(r->pool));
 }
 
 double render_elapsed(const struct render *r) {
@@ -181,7 +179,8 @@ bool render_budget_denoises(const struct render *r) {
 static double noise_seconds(const struct render *r) {
     const double measured = r->progress.noise_pixel_seconds;
     const double pixels = (double)r->options.width * (double)r->options.height;
-    return (measured > 0.0 ? measured : render_noise_pixel_seconds()) * pixels / cores_had(r);
+    return (measured > 0.0 ? measured : render_noise_pixel_seconds()) * pixels /
+           parallel_cores_had(r->pool);
 }
 
 static double noise_filter_estimate(const struct render *r) {
@@ -228,7 +227,8 @@ static double finish_seconds(const struct render *r) {
     const bool waits = r->image && r->image->noise_waits;
     const double noise = waits ? 0.0 : noise_filter_kept(r);
     return WRITE_SECONDS + filter + noise + (r->image ? r->image->edge_seconds : 0.0) +
-           (r->progress.write_pixel_seconds + rims) * pixels / cores_had(r) + denoise_seconds(r);
+           (r->progress.write_pixel_seconds + rims) * pixels / parallel_cores_had(r->pool) +
+           denoise_seconds(r);
 }
 
 double render_budget_left(const struct render *r) {
@@ -243,8 +243,8 @@ void render_budget_begin(struct render *r) {
     r->progress.noise_pixel_seconds = render_noise_pixel_seconds();
     const double pixels = (double)r->options.width * (double)r->options.height;
     if (render_edges_on(&r->options))
-        r->image->edge_seconds =
-            fmin(EDGES_SECONDS * pixels / parallel_threads(r->pool), EDGES_MOST * r->options.time);
+        r->image->edge_seconds = fmin(EDGES_SECONDS * pixels / parallel_cores_had(r->pool),
+                                      EDGES_MOST * r->options.time);
 }
 
 // ---- Limits of loops ----------------------------------------------------------------------------

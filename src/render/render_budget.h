@@ -31,11 +31,12 @@ struct shade_counts;
 void render_budget_begin(struct render *r);
 // Seconds since the render began; the same on all ranks, which must all call it.
 double render_elapsed(const struct render *r);
-// The seconds of a time limit times the threads of all ranks, which is what a budget of work grows
-// with; 0 without a limit. Of two passes it is what this process has of the cores so far.
+// The seconds of a time limit times the cores of all ranks, which is what a budget of work grows
+// with; 0 without a limit. The cores are those that the threads may have, and of two passes those
+// that they have had so far.
 double render_core_seconds(const struct render *r);
 // The seconds that the loops since parallel_loop_seconds was `before` would take, by their CPU time
-// and the fraction of the cores that this process has: a short loop may have them to itself.
+// and the cores that the threads have had: a short loop may have all of them.
 double render_loop_seconds(const struct render *r, double before);
 // The seconds that remain of options.time.
 double render_time_left(const struct render *r);

@@ -173,17 +173,19 @@ static void works_and_waits(void *ctx, size_t begin, size_t end, int worker) {
     nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * spent)}, NULL);
 }
 
-static void the_fraction_of_the_cores_is_known_after_a_moment(void **state) {
+static void it_is_known_after_a_moment_how_many_cores_there_are(void **state) {
     (void)state;
     struct parallel *pool = parallel_new(1);
-    assert_true(parallel_core_fraction(pool) == 1.0);
+    assert_true(parallel_cores_had(pool) == 1.0);
     assert_true(parallel_loop_seconds(pool) == 0.0);
     assert_true(parallel_for(pool, 1, 1, works_and_waits, NULL));
-    assert_true(parallel_core_fraction(pool) == 1.0);
+    assert_true(parallel_cores_had(pool) == 1.0);
     assert_true(parallel_for(pool, 20, 1, works_and_waits, NULL));
     assert_true(parallel_loop_seconds(pool) >= 0.1);
-    assert_true(parallel_core_fraction(pool) > 0.0 && parallel_core_fraction(pool) < 0.55);
+    assert_true(parallel_cores_had(pool) > 0.0 && parallel_cores_had(pool) < 0.55);
     parallel_free(pool);
+    assert_true(parallel_cores_of(1) == 1);
+    assert_true(parallel_cores_of(1024) <= parallel_cores(0));
 }
 
 int main(void) {
@@ -193,7 +195,7 @@ int main(void) {
         cmocka_unit_test(cancellation_ends_long_chunks),
         cmocka_unit_test(parts_know_what_is_serial),
         cmocka_unit_test(many_parts_are_accounted_for),
-        cmocka_unit_test(the_fraction_of_the_cores_is_known_after_a_moment),
+        cmocka_unit_test(it_is_known_after_a_moment_how_many_cores_there_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
