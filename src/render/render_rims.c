@@ -28,16 +28,17 @@ static const float SMOOTH = 0.1f;
 // the image is that of emission; single lamps do not double the time of all else.
 static const float RARE_FRACTION = 0.01f;
 
-static rgb trace_ray(const struct rims *rims, uint32_t pixel, uint32_t index, float *weight) {
+static rgb trace_ray(const struct rims *rims, const struct shade *shade, uint32_t pixel,
+                     uint32_t index, float *weight) {
     const uint32_t width = (uint32_t)rims->r->image->width;
-    return shade_emission(&rims->r->second_pass.shade, (int)(pixel % width), (int)(pixel / width),
-                          index, weight);
+    return shade_emission(shade, (int)(pixel % width), (int)(pixel / width), index, weight);
 }
 
 // ---- The rays of all pixels ---------------------------------------------------------------------
 
 static void trace_first(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
+    const struct shade *shade = &rims->r->second_pass.shade;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct image_pixel *p = &rims->r->image->pixel[i];
@@ -48,7 +49,7 @@ static void trace_first(void *ctx, size_t begin, size_t end, int worker) {
         const uint32_t rays = rims->late && p->samples ? 0 : rims->first;
         for (; e->rays < rays; e->rays++) {
             float weight;
-            const rgb Le = trace_ray(rims, (uint32_t)i, e->rays, &weight);
+            const rgb Le = trace_ray(rims, shade, (uint32_t)i, e->rays, &weight);
             if (!rgb_finite(Le)) continue;
             weight = render_usable_weight(e->weight, e->samples + e->rays, weight);
             e->sum = rgb_mad(e->sum, Le, weight);
@@ -135,13 +136,13 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
         struct rim *rim = &rims->rim[i];
         for (uint32_t k = rims->r->image->pixel[pixel].emission.rim_rays; k < rims->most; k++) {
             float weight;
-            const rgb Le = trace_ray(rims, pixel, RIM_RAYS_BEGIN + k, &weight);
+            const rgb Le = trace_ray(rims, &rims->wide, pixel, RIM_RAYS_BEGIN + k, &weight);
             if (!rgb_finite(Le)) continue;
-            const float Y = rgb_luminance(Le);
+            const float Y = rgb_luminance(Le), drawn = rims->wide.filter.wide ? weight : 1.0f;
             rim->sum = rgb_mad(rim->sum, Le, weight);
             rim->weight += weight;
-            rim->Y += Y;
-            rim->squares += sqrf(Y);
+            rim->Y += drawn * Y;
+            rim->squares += drawn * sqrf(Y);
         }
     }
 }
@@ -234,7 +235,7 @@ static void time_rays(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         float weight;
-        (void)trace_ray(rims, rims->list.pixel[i * step], RIM_RAYS_BEGIN, &weight);
+        (void)trace_ray(rims, &rims->wide, rims->list.pixel[i * step], RIM_RAYS_BEGIN, &weight);
     }
 }
 
@@ -303,6 +304,8 @@ satin_status render_rims(struct render *r, bool late, bool *whole) {
     const struct render_image *image = r->image;
     const size_t pixels = render_pixel_count(image);
     struct rims rims = {.r = r, .late = late, .first = late ? 1 : first_rays(r)};
+    rims.wide = r->second_pass.shade;
+    scene_film_filter_widen(&rims.wide.filter);
     rims.radius = (int)ceilf(r->second_pass.shade.filter.film->radius);
     rims.emission = array_new_unset(pixels, sizeof *rims.emission);
     rims.hits = array_new_unset(pixels, sizeof *rims.hits);

@@ -17,11 +17,12 @@ struct rim {
 
 struct rims {
     struct render *r;
-    bool late;        // the time limit is over: only pixels without samples have first rays
-    uint32_t first;   // number of rays in pixels that are at no rim
-    uint32_t most;    // number of rays at rims
-    int radius;       // of the film's filter, in pixels
-    float *emission;  // luminance of each pixel's mean
+    struct shade wide;  // that of the image, with more eye rays in the tails of the film's filter
+    bool late;          // the time limit is over: only pixels without samples have first rays
+    uint32_t first;     // number of rays in pixels that are at no rim
+    uint32_t most;      // number of rays at rims
+    int radius;         // of the film's filter, in pixels
+    float *emission;    // luminance of each pixel's mean
     struct pixel_list list;
     struct rim *rim;  // of those pixels
     size_t begin;     // index of the first pixel of a loop

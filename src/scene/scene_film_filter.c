@@ -144,6 +144,7 @@ static struct scene_film_offset draw_lobes(const struct scene_film_filter *filte
 
 void scene_film_filter_make(const struct scene_film *film, struct scene_film_filter *out) {
     out->film = film;
+    out->wide = false;
     if (scene_film_filter_has_lobes(film)) {
         make_lobes(out);
         return;
@@ -154,15 +155,27 @@ void scene_film_filter_make(const struct scene_film *film, struct scene_film_fil
     out->inverse[FILM_FILTER_STEPS + 1] = out->inverse[FILM_FILTER_STEPS];
 }
 
+void scene_film_filter_widen(struct scene_film_filter *filter) {
+    const enum filter_kind kind = filter->film->filter;
+    filter->wide = kind == FILTER_TENT || kind == FILTER_GAUSSIAN;
+}
+
+// Moves a uniform number towards the nearer end of [0, 1]. Its weight is the derivative.
+static float draw_wide(float *u) {
+    const float v = *u, end = minf(v, 1.0f - v), near = end * (0.5f + end);
+    *u = v < 0.5f ? near : 1.0f - near;
+    return 0.5f + 2.0f * end;
+}
+
 struct scene_film_offset scene_film_filter_offset(const struct scene_film_filter *filter,
                                                   float centre, float lo, float hi, float u) {
     if (scene_film_filter_has_lobes(filter->film)) return draw_lobes(filter, centre, lo, hi, u);
-    float r = filter->film->radius;
+    const float r = filter->film->radius, weight = filter->wide ? draw_wide(&u) : 1.0f;
     if (centre - r < lo || centre + r >= hi)
         return (struct scene_film_offset){scene_film_filter_sample(filter->film, centre, lo, hi, u),
-                                          1.0f};
+                                          weight};
     float at = u * (float)FILM_FILTER_STEPS;
     int i = (int)at;
     return (struct scene_film_offset){
-        lerpf(filter->inverse[i], filter->inverse[i + 1], at - (float)i), 1.0f};
+        lerpf(filter->inverse[i], filter->inverse[i + 1], at - (float)i), weight};
 }

@@ -28,6 +28,7 @@ float scene_film_filter_sample(const struct scene_film *film, float centre, floa
 enum { FILM_FILTER_STEPS = 1024 };
 struct scene_film_filter {
     const struct scene_film *film;
+    bool wide;                             // see scene_film_filter_widen
     float inverse[FILM_FILTER_STEPS + 2];  // offset at u = i / FILM_FILTER_STEPS
     // With negative lobes: the integrals from the left end of the filter and of its absolute value.
     float sum[FILM_FILTER_STEPS + 1], size[FILM_FILTER_STEPS + 1];
@@ -38,6 +39,9 @@ struct scene_film_offset {
 // Whether the filter has negative values.
 bool scene_film_filter_has_lobes(const struct scene_film *film);
 void scene_film_filter_make(const struct scene_film *film, struct scene_film_filter *out);
+// From now on offsets near the ends of the filter are drawn twice as often, with weights from .5 to
+// 1.5, if it falls to zero there: its tails see what may be most of the light of a dark pixel.
+void scene_film_filter_widen(struct scene_film_filter *filter);
 struct scene_film_offset scene_film_filter_offset(const struct scene_film_filter *filter,
                                                   float centre, float lo, float hi, float u);
 

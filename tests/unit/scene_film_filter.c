@@ -124,10 +124,67 @@ static void lobes_are_weighted(void **state) {
     }
 }
 
+// Weighted samples of a widened filter have the integrals of the filter, also where the window cuts
+// it, and twice as many of them are in an outermost half percent.
+static void wide_filters_are_weighted(void **state) {
+    (void)state;
+    const struct scene_film films[] = {{.filter = FILTER_GAUSSIAN, .radius = 2, .stddev = .5f},
+                                       {.filter = FILTER_TENT, .radius = 1}};
+    enum { COUNT = 40000, OUTERMOST = COUNT / 200 };
+    for (int f = 0; f < 2; f++) {
+        struct scene_film_filter even, wide;
+        scene_film_filter_make(&films[f], &even);
+        wide = even;
+        scene_film_filter_widen(&wide);
+        for (int c = 0; c < 2; c++) {
+            const float centre = (float[]){50.5f, 0.5f}[c],
+                        end = even.inverse[FILM_FILTER_STEPS] - even.inverse[0];
+            double ones = 0.0, mean = 0.0, exact = 0.0, tail = 0.0;
+            float last = 0.0f;
+            int found = 0;
+            for (int i = 0; i < COUNT; i++) {
+                const float u = ((float)i + 0.5f) / COUNT;
+                const float x = scene_film_filter_offset(&even, centre, 0, 100, u).x;
+                if (i == COUNT - OUTERMOST) last = x;
+                exact += (double)cosf(x + 0.3f) / COUNT;
+            }
+            for (int i = 0; i < COUNT; i++) {
+                const float u = ((float)i + 0.5f) / COUNT;
+                const struct scene_film_offset o =
+                    scene_film_filter_offset(&wide, centre, 0, 100, u);
+                assert_true(o.weight >= 0.5f && o.weight <= 1.5f && fabsf(o.x) <= end);
+                ones += (double)o.weight / COUNT;
+                mean += (double)(o.weight * cosf(o.x + 0.3f)) / COUNT;
+                if (o.x < last) continue;
+                tail += (double)o.weight / OUTERMOST;
+                found++;
+            }
+            assert_true(fabs(ones - 1.0) < 1e-4);
+            assert_true(fabs(mean - exact) < 1e-4);
+            assert_true(fabs(tail - 1.0) < 0.02);
+            assert_in_range(found, 19 * OUTERMOST / 10, 2 * OUTERMOST);
+        }
+    }
+}
+
+// A box has no tails.
+static void boxes_are_not_widened(void **state) {
+    (void)state;
+    const struct scene_film film = {.filter = FILTER_BOX, .radius = .5f};
+    struct scene_film_filter filter;
+    scene_film_filter_make(&film, &filter);
+    scene_film_filter_widen(&filter);
+    const struct scene_film_offset o = scene_film_filter_offset(&filter, 50.5f, 0, 100, .1f);
+    assert_float_equal(o.x, -.4f, 1e-3f);
+    assert_float_equal(o.weight, 1.0f, 0.0f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_samples_are_distributed),
         cmocka_unit_test(filter_samples_stay_inside),
+        cmocka_unit_test(wide_filters_are_weighted),
+        cmocka_unit_test(boxes_are_not_widened),
         cmocka_unit_test(lobes_agree_with_mitsuba),
         cmocka_unit_test(lobes_are_weighted),
     };
