@@ -19,7 +19,7 @@ enum {
     EDGE_NEAR = 2,        // of those that show whether there is an edge
     RAYS_PER_SAMPLE = 2,  // at least
     RAYS_MOST = 1024,     // a pixel with as many samples has no rays
-    RAY_SHIFT_MOST = 2,   // their number is divided by 1 << this, at most, for a time limit
+    RAY_SHIFT_MOST = 4,   // their number is divided by 1 << this, at most, for a time limit
     EDGES_TIMED = 512,    // pixels that show how long one takes
     EDGES_CHUNK = 64,     // pixels per chunk
     COMPARE_CHUNK = 2048

@@ -46,6 +46,8 @@ bool shade_eye_emission(const struct shade *shade, int x, int y, struct sampler 
 // *probability, if not NULL, is set to that of the choice.
 const struct shade_vertex *shade_eye_choose(const struct shade_eye *eye, float u,
                                             float *probability);
+// Whether a surface that transmits no light faces this one within a few pixels (shade_gap.c).
+bool shade_in_gap(const struct shade *shade, const struct shade_vertex *vertex);
 // Draws the eye ray itself.
 struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
                          struct shade_camera_sample *camera);

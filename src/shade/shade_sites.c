@@ -62,7 +62,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
         const struct shade_vertex *v = &eye.vertex[i];
         const struct interaction *s = &v->point.interaction;
         const unsigned kinds = cache_plan_kinds(&shade->records, &v->point);
-        if (!kinds) continue;
+        if (!kinds || shade_in_gap(shade, v)) continue;
         struct fill_site *site = &out[count++];
         *site =
             shade_site(&v->point, v->pixel, ((uint64_t)sampler.seed << 20) + (uint64_t)i, kinds);

@@ -41,12 +41,12 @@ static struct cache_lookup records_lookup(const struct shade_lighting *lighting)
     return at;
 }
 
-// Adds indirect light from irradiance records. False if none is near.
+// Adds indirect light from irradiance records. False if none is near, or in a gap.
 static bool diffuse_cached(struct shade_lighting *lighting, struct shade_pixel_value *value) {
     const struct shade *s = lighting->shade;
     const struct shading_point *p = &lighting->vertex->point;
     struct shade_pixel_light *light = &value->light[CACHE_IRRADIANCE];
-    if (!s->records.cache) return false;
+    if (!s->records.cache || shade_in_gap(s, lighting->vertex)) return false;
     if (shade_pixel_light_wanted(value, CACHE_IRRADIANCE)) {
         const struct cache_lookup at = records_lookup(lighting);
         rgb E;
@@ -60,14 +60,14 @@ static bool diffuse_cached(struct shade_lighting *lighting, struct shade_pixel_v
     return true;
 }
 
-// Adds indirect light from radiance records. False if none is near.
+// Adds indirect light from radiance records. False if none is near, or in a gap.
 static bool indirect_cached(struct shade_lighting *lighting, const struct cache_plan *plan,
                             struct shade_pixel_value *value) {
     const struct shade *s = lighting->shade;
     const struct shading_point *p = &lighting->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     struct shade_pixel_light *light = &value->light[CACHE_RADIANCE];
-    if (!s->records.cache) return false;
+    if (!s->records.cache || shade_in_gap(s, lighting->vertex)) return false;
     if (shade_pixel_light_wanted(value, CACHE_RADIANCE)) {
         const struct cache_lookup at = records_lookup(lighting);
         rgb glossy = rgb_grey(0.0f), E = glossy;
@@ -226,7 +226,7 @@ static void note_gathered(const struct shade_lighting *lighting, rgb light) {
                                    .rays = (float)lighting->samples.gather.count};
 }
 
-// Adds indirect light where no record is near.
+// Adds indirect light where no record is read.
 static void sample_missing(struct shade_lighting *lighting, unsigned lobes) {
     const struct shade_vertex *v = lighting->vertex;
     const struct lobe_sampling by = {

@@ -22,12 +22,15 @@ static const char SHADE_SITES_SCENE[] =
     "<shape type='rectangle'><bsdf type='diffuse'><rgb name='reflectance' value='.6, .6, .6'/>"
     "</bsdf><transform name='to_world'><scale x='9' y='9'/></transform></shape>"
     "<emitter type='point'><point name='position' x='1' y='0' z='2'/>"
-    "<rgb name='intensity' value='5, 5, 5'/></emitter></scene>";
+    "<rgb name='intensity' value='5, 5, 5'/></emitter>";
 
-// The sites of pixel (x, y), at most one.
-static int shade_sites_find_site(bool adaptive, int x, int y, struct fill_site *out) {
+// The sites of pixel (x, y), at most one, with more shapes in the scene.
+static int shade_sites_find_below(const char *shapes, bool adaptive, int x, int y,
+                                  struct fill_site *out) {
     struct scene_case c;
-    satin_scene *scene = scene_case_load(&c, SHADE_SITES_SCENE);
+    char text[2048];
+    snprintf(text, sizeof text, "%s%s</scene>", SHADE_SITES_SCENE, shapes);
+    satin_scene *scene = scene_case_load(&c, text);
     if (!scene) fail_msg("%s", c.error);
     satin_options options = satin_options_default;
     options.width = options.height = 100;
@@ -41,6 +44,10 @@ static int shade_sites_find_site(bool adaptive, int x, int y, struct fill_site *
     const int count = shade_sites(&shade, x, y, adaptive, out, 1);
     satin_scene_free(scene);
     return count;
+}
+
+static int shade_sites_find_site(bool adaptive, int x, int y, struct fill_site *out) {
+    return shade_sites_find_below("", adaptive, x, y, out);
 }
 
 static void a_site_has_its_position_and_stream(void **state) {
@@ -72,10 +79,36 @@ static void light_is_found_for_adaptive_caching_alone(void **state) {
     assert_float_equal(site.direct, rho_pi * 5.0f * d.z / (d2 * sqrtf(d2)), 1e-4f);
 }
 
+// Whether there is a site in pixel (98, 50), 3.84 to 3.92 from the middle of the plate, where a
+// pixel is .11 wide, below plates of a material at a height, from `begin` outwards. The eye ray
+// passes them.
+static bool shade_sites_found_below(const char *material, const char *height, float begin) {
+    char shapes[1024];
+    int at = 0;
+    for (int side = -1; side <= 1; side += 2)
+        at += snprintf(shapes + at, sizeof shapes - (size_t)at,
+                       "<shape type='rectangle'><bsdf type='%s'/><transform name='to_world'>"
+                       "<scale x='.5' y='2'/><translate x='%g' z='%s'/></transform></shape>",
+                       material, (double)((float)side * (begin + 0.5f)), height);
+    struct fill_site site;
+    const int count = shade_sites_find_below(shapes, false, 98, 50, &site);
+    if (count) assert_true(fabsf(site.p.z) < 1e-5f);
+    return count > 0;
+}
+
+static void gaps_of_a_pixel_or_two_have_no_site(void **state) {
+    (void)state;
+    assert_false(shade_sites_found_below("diffuse", ".1", 3.83f));
+    assert_true(shade_sites_found_below("thindielectric", ".1", 3.83f));
+    assert_true(shade_sites_found_below("diffuse", ".1", 4.0f));
+    assert_true(shade_sites_found_below("diffuse", ".3", 3.7f));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_site_has_its_position_and_stream),
         cmocka_unit_test(light_is_found_for_adaptive_caching_alone),
+        cmocka_unit_test(gaps_of_a_pixel_or_two_have_no_site),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
