@@ -110,9 +110,10 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
 
 // ---- Boxes (light_box.c) and products (light_product.c) ---------------------------------------
 
-// p, or the nearest point from which no face of the box is so near that its bins are at grazing
-// angles alone.
+// p, moved into the box if it is beyond or at a face.
 vec3 light_box_inside(const struct light_box *box, vec3 p);
+// p, or the nearest point from which no face is so near that its bins are at grazing angles alone.
+vec3 light_box_apart(const struct light_box *box, vec3 p);
 // The width of a bin along an axis.
 float light_box_bin_width(const struct light_box *box, int axis);
 // Draws a direction by the blocks and bins of the product, whose fraction must be > 0. *pdf_w is

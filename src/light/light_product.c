@@ -9,6 +9,9 @@
 
 enum { BLOCK_SIDE = LIGHT_BLOCK_SIDE, BLOCK_COLUMNS = LIGHT_BLOCK_COLUMNS };
 
+// Bins so near the foot of a point on their face have most of their solid angle in a small part.
+static const float NEAR_BINS = 2.0f;
+
 // ---- The histogram ------------------------------------------------------------------------------
 
 // The bin of a block that is in one of its rows and columns.
@@ -136,12 +139,40 @@ static void set_block_weights(const struct light_histogram *h, const struct face
     }
 }
 
+// Whether the histogram has an opening in face f less than NEAR_BINS from the foot of p on it.
+static bool opens_near(const struct light_histogram *h, int f, vec3 p) {
+    const struct light_blocks *b = h->blocks;
+    const int next = (f / 2 + 1) % 3, last = (f / 2 + 2) % 3;
+    const float side = (0.5f * BLOCK_SIDE + NEAR_BINS) * light_box_bin_width(&b->box, next),
+                other = (0.5f * BLOCK_SIDE + NEAR_BINS) * light_box_bin_width(&b->box, last);
+    for (size_t i = b->first[b->face[f]]; i < b->first[b->face[f + 1]]; i++) {
+        const vec3 d = v3(b->x[i] - p.x, b->y[i] - p.y, b->z[i] - p.z);
+        if (h->weight[i] && fabsf(v3_along(d, next)) < side && fabsf(v3_along(d, last)) < other)
+            return true;
+    }
+    return false;
+}
+
+// The point from which directions to the bins are drawn at `at`: apart from a face only where that
+// is open there, as at the reveal of a window.
+static vec3 origin_of(const struct light_histogram *h, vec3 at) {
+    const struct light_box *box = &h->blocks->box;
+    const vec3 in = light_box_inside(box, at), apart = light_box_apart(box, at);
+    float x[3];
+    for (int axis = 0; axis < 3; axis++) {
+        const float from = v3_along(in, axis), away = v3_along(apart, axis);
+        const bool moved = from != away && opens_near(h, 2 * axis + (from > away), in);
+        x[axis] = moved ? away : from;
+    }
+    return v3(x[0], x[1], x[2]);
+}
+
 void light_product_make(const struct light_histogram *histogram, const struct light_receiver *at,
                         struct light_product *out) {
     const struct light_blocks *blocks = histogram->blocks;
-    const vec3 p = light_box_inside(&blocks->box, at->p);
+    const vec3 p = origin_of(histogram, at->p);
     out->histogram = histogram;
-    out->p = at->p;
+    out->p = p;
     out->sum = 0.0f;
     for (int f = 0; f < 6; f++) {
         const size_t rows = blocks->face[f + 1];

@@ -15,13 +15,10 @@ struct light_sample;
 struct satin_scene;
 
 // A box, as large as a room, onto whose faces directions are projected: a window is in the same
-// bins from all points of the room, while its direction is not. Points outside `inside` are moved
-// into it first, so that no face is so near that its bins are at grazing angles alone.
+// bins from all points of the room, while its direction is not. Points beyond it are moved into it
+// first.
 struct light_box {
     vec3 lo, hi;
-    struct {
-        vec3 lo, hi;
-    } inside;
 };
 // lo < hi in all coordinates.
 struct light_box light_box_make(vec3 lo, vec3 hi);
@@ -74,7 +71,7 @@ struct light_receiver {
 // strata of u and v stay compact regions.
 struct light_product {
     const struct light_histogram *histogram;
-    vec3 p;
+    vec3 p;                       // from which directions to the bins are drawn
     float fraction;               // of the samples; 0 if no block has weight
     float sum;                    // of the weights of all rows
     float row[LIGHT_BLOCK_ROWS];  // weights of the rows and of the blocks

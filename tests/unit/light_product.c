@@ -84,6 +84,31 @@ static void samples_go_above_the_horizon(void **state) {
     assert_true(abs(above[1] - 2048) < 40 && abs(above[2] - 2048) < 40);
 }
 
+// A point close to the wall of a window, but not to the window, draws directions that pass it, or a
+// fraction of them would be lost in a corner of a room. Before the window it is moved from the
+// wall.
+static void a_window_is_met_from_beside_it(void **state) {
+    (void)state;
+    float weight[LIGHT_HISTOGRAM_BINS] = {0.0f};
+    // The middle bins of the face at x = 1, up to 1/8 from its middle.
+    for (int i = 0; i < 16; i++)
+        weight[(SIDE + SIDE / 2 - 2 + i / 4) * SIDE + SIDE / 2 - 2 + i % 4] = 1.0f;
+    static struct light_product_bins bins;
+    const vec3 p = v3(0.98f, 0.1f, -0.8f), n = v3(0, 0, 1);
+    light_product_of(1.0f, weight, (struct light_receiver){p, n, false}, &bins);
+    assert_int_equal(light_product_above(&bins.product, n), 4096);
+    for (uint32_t i = 0; i < 4096; i++) {
+        const vec2 u = sample_sobol2(i, 1);
+        float pdf_w;
+        const vec3 w = light_product_sample(&bins.product, u.x, u.y, &pdf_w);
+        const vec3 q = v3_mad(p, (1.0f - p.x) / w.x, w);
+        assert_true(fabsf(q.y) < 0.1251f && fabsf(q.z) < 0.1251f);
+    }
+    const struct light_receiver before = {v3(0.98f, 0.1f, 0.0f), v3(-1, 0, 0), true};
+    light_product_of(1.0f, weight, before, &bins);
+    assert_float_equal(bins.product.p.x, 1.0f - 2.0f / SIDE, 1e-6f);
+}
+
 // Two windows, one above the point and one at 60 degrees from its normal and as far, get samples in
 // proportion to their cosines.
 static void samples_follow_the_cosine(void **state) {
@@ -131,6 +156,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(probabilities_sum_to_one),
         cmocka_unit_test(samples_go_above_the_horizon),
+        cmocka_unit_test(a_window_is_met_from_beside_it),
         cmocka_unit_test(samples_follow_the_cosine),
         cmocka_unit_test(a_point_that_faces_no_bin_has_no_samples_by_bins),
     };
