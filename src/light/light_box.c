@@ -6,10 +6,11 @@
 
 enum { FACE_SIDE = LIGHT_HISTOGRAM_SIDE, ROWS = LIGHT_HISTOGRAM_ROWS };
 
-// The least distance of points in the box from its faces, in bins, and that of other points. From a
-// point that is moved by a whole bin, the directions to a window in the wall beside it miss the
-// window: a room with a hole of 10 cm had four times the error in 2 s (docs/experiments/
-// direct-light.md).
+// The least distance of points in the box from its faces, in bins, and that of other points and of
+// those before an opening: .15, .5 and 1 of them left a variance of direct light of .0120, .0114
+// and .0111 in a room with windows, and of .046, .033 and .025 at a window's reveal. From a point
+// that is moved by a whole bin, the directions to a window in the wall beside it miss the window: a
+// room with a hole of 10 cm had four times the error in 2 s (docs/experiments/direct-light.md).
 static const float LEAST_BINS = 0.01f, APART_BINS = 1.0f;
 
 struct light_box light_box_make(vec3 lo, vec3 hi) {
