@@ -31,8 +31,9 @@ enum { CROSSED = 1 << 4 };
 _Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixels around");
 
 // Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
-// the depth not by more than this fraction.
-static const float EDGE_ALIKE = 0.1f;
+// the depth not by more than this fraction. Where a time limit leaves too little time for all edges,
+// they differ more before they are corrected, up to ALIKE_MOST, at which half of them are left.
+static const float EDGE_ALIKE = 0.1f, ALIKE_MOST = 0.8f;
 // Pixels of a regression count by a Gaussian of their distance, of this standard deviation: light
 // near other edges follows surfaces in another way.
 static const float NEAR_DEVIATION = 1.5f;
@@ -57,6 +58,7 @@ struct surface_edges {
     struct pixel_list list;
     struct pixel_change *change;
     int ray_shift;  // the numbers of rays are divided by 1 << ray_shift
+    float alike;    // by how much surfaces differ at most if there is no edge between them
 };
 
 // ---- Where edges are ----------------------------------------------------------------------------
@@ -116,7 +118,7 @@ static void compare_neighbours(void *ctx, size_t begin, size_t end, int worker) 
             if (!in_image(image, u, v)) continue;
             const size_t other = index_at(image, u, v);
             const struct shade_surface surface = mean_shown(image, other);
-            if (image->pixel[other].samples && !alike(&own, &surface, EDGE_ALIKE))
+            if (image->pixel[other].samples && !alike(&own, &surface, e->alike))
                 e->differs[at] |= (uint8_t)(1 << i);
         }
     }
@@ -387,19 +389,24 @@ static void edges_destroy(struct surface_edges *e) {
     free(e->change);
 }
 
+static void find_edges(struct surface_edges *e) {
+    const size_t pixels = render_pixel_count(e->r->image);
+    parallel_for_all(e->r->pool, pixels, COMPARE_CHUNK, compare_neighbours, e);
+    render_pixels_find(&e->list, e->r, is_edge, e);
+}
+
 // Finds the edges of the image. False if it is not to have any and, with *failed, if there is no
 // memory.
-static bool edges_make(struct surface_edges *e, struct render *r, bool *failed) {
+static bool edges_make(struct surface_edges *e, struct render *r, float alike, bool *failed) {
     const size_t pixels = render_pixel_count(r->image);
-    *e = (struct surface_edges){.r = r};
+    *e = (struct surface_edges){.r = r, .alike = alike};
     *failed = false;
     if (!render_edges_on(&r->options) || r->image->taken < pixels) return false;
     parallel_begin_part(r->pool, "edges");
     e->differs = array_new_unset(pixels, sizeof *e->differs);
     *failed = !e->differs || !render_pixels_make(&e->list, r->image);
     if (!*failed) {
-        parallel_for_all(r->pool, pixels, COMPARE_CHUNK, compare_neighbours, e);
-        render_pixels_find(&e->list, r, is_edge, e);
+        find_edges(e);
         e->change = array_new(e->list.count, sizeof *e->change);
         *failed = !e->change;
     }
@@ -440,7 +447,7 @@ void render_edges_plan(struct render *r) {
     image->edges_fit = false;
     image->edge_seconds = 0.0;
     image->edges_planned = image->taken;
-    if (!edges_make(&e, r, &failed)) return;
+    if (!edges_make(&e, r, EDGE_ALIKE, &failed)) return;
     // Up to twice as many samples will be there at the next plan, or at the end.
     const double more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
                  later = fmin(1.0 + more / (double)image->taken, PLAN_AGAIN),
@@ -451,8 +458,14 @@ void render_edges_plan(struct render *r) {
         e.ray_shift++;
         seconds = growth * edges_seconds(&e);
     }
+    while (seconds > fmin(1.5 * most, left) && e.alike < ALIKE_MOST) {
+        e.alike *= 2.0f;
+        find_edges(&e);
+        seconds = growth * edges_seconds(&e);
+    }
     if (seconds <= fmin(1.5 * most, left)) {
         image->edges_fit = true;
+        image->edge_alike = e.alike;
         image->edge_ray_shift = e.ray_shift;
         image->edge_seconds = seconds;
     }
@@ -463,7 +476,8 @@ bool render_edges(struct render *r) {
     struct surface_edges e;
     bool failed;
     if (r->options.time > 0.0 && !r->image->edges_fit) return true;
-    if (!edges_make(&e, r, &failed)) return !failed;
+    const float alike = r->options.time > 0.0 ? r->image->edge_alike : EDGE_ALIKE;
+    if (!edges_make(&e, r, alike, &failed)) return !failed;
     if (r->options.time > 0.0) e.ray_shift = r->image->edge_ray_shift;
     parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, change_edges, &e);
     apply_changes(&e);

@@ -172,6 +172,7 @@ struct render_image {
     atomic_bool unwritten;        // the state has changed since it was written or restored
     bool edges_fit;               // whether a time limit leaves time for edges
     int edge_ray_shift;           // their numbers of rays are divided by 1 << this for it
+    float edge_alike;             // how much surfaces differ at most where there is none, for it
     double edge_seconds;          // that they will take, or are expected to before all samples
     uint64_t edges_planned;       // `taken` when these were found; 0: never
     bool noise_waits;             // whether no time is kept for the filter of noise until all

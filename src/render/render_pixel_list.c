@@ -44,6 +44,8 @@ void render_pixels_find(struct pixel_list *list, const struct render *r, render_
                         const void *ctx) {
     const size_t width = (size_t)r->image->width, height = (size_t)r->image->height;
     struct pixel_search search = {.list = list, .holds = holds, .ctx = ctx, .width = width};
+    memset(list->found, 0, height * sizeof *list->found);
+    list->count = 0;
     parallel_for_all(r->pool, height, SEARCH_ROWS, search_rows, &search);
     for (size_t y = 0; y < height; y++) {
         memmove(list->pixel + list->count, list->pixel + y * width,
