@@ -225,7 +225,7 @@ static double finish_seconds(const struct render *r) {
     const bool late_rims = render_has_rims(r) && !(r->image && r->image->rims_taken);
     const double rims = late_rims ? RIMS_SECONDS : 0.0;
     const bool waits = r->image && r->image->noise_waits;
-    const double noise = waits ? 0.0 : noise_filter_kept(r);
+    const double noise = (waits ? 1.0 - NOISE_LATE : 1.0) * noise_filter_kept(r);
     return WRITE_SECONDS + filter + noise + (r->image ? r->image->edge_seconds : 0.0) +
            (r->progress.write_pixel_seconds + rims) * pixels / parallel_cores_had(r->pool) +
            denoise_seconds(r);
@@ -322,8 +322,8 @@ bool render_budget_next_round(const struct render *r, double seconds) {
 }
 
 void render_limit_image(struct render *r) {
-    // No pixel is to miss its first sample for edges and the filter of noise, which are planned
-    // after it.
+    // No pixel is to miss its first sample for edges, and for more than a part of the filter of
+    // noise, which are planned after it.
     if (r->image && r->image->taken == 0) {
         r->image->edge_seconds = 0.0;
         r->image->noise_waits = true;

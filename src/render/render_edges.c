@@ -31,8 +31,9 @@ enum { CROSSED = 1 << 4 };
 _Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixels around");
 
 // Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
-// the depth not by more than this fraction. Where a time limit leaves too little time for all edges,
-// they differ more before they are corrected, up to ALIKE_MOST, at which half of them are left.
+// the depth not by more than this fraction. Where a time limit leaves too little time for all
+// edges, they differ more before they are corrected, up to ALIKE_MOST, at which half of them are
+// left.
 static const float EDGE_ALIKE = 0.1f, ALIKE_MOST = 0.8f;
 // Pixels of a regression count by a Gaussian of their distance, of this standard deviation: light
 // near other edges follows surfaces in another way.

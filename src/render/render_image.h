@@ -175,8 +175,8 @@ struct render_image {
     float edge_alike;             // how much surfaces differ at most where there is none, for it
     double edge_seconds;          // that they will take, or are expected to before all samples
     uint64_t edges_planned;       // `taken` when these were found; 0: never
-    bool noise_waits;             // whether no time is kept for the filter of noise until all
-                                  // pixels have a sample
+    bool noise_waits;             // whether only the least time is kept for the filter of noise,
+                                  // until all pixels have a sample
     bool noise_unfit;             // whether a time limit then left none for it
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     bool rare_emission;           // whether many pixels had emission by chance then

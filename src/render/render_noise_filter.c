@@ -449,10 +449,7 @@ double render_noise_pixel_seconds(void) {
 }
 
 bool render_noise_filter(struct render *r) {
-    const struct render_image *image = r->image;
-    const size_t pixels = render_pixel_count(image);
-    if (!image->noisy_light || image->taken < pixels || !render_budget_filters_noise(r))
-        return true;
+    if (!r->image->noisy_light || !render_budget_filters_noise(r)) return true;
     parallel_begin_part(r->pool, "noise_filter");
     return render_noise_change(r->image, r->pool);
 }
