@@ -187,12 +187,14 @@ static double noise_filter_estimate(const struct render *r) {
     return r->image && r->image->noisy_light ? noise_seconds(r) : 0.0;
 }
 
-// The time of the filter of irradiance, if as many pixels gather as points have so far.
-static double filter_estimate(const struct render *r) {
+// The time of the filter of irradiance with kernels of the largest radius, if as many pixels gather
+// as points have so far: in proportion to the number of pixels, and of those around each.
+static double largest_filter(const struct render *r) {
     if (!r->image || !r->image->gathered || r->image->counts.points == 0) return 0.0;
     const struct shade_counts *counts = &r->image->counts;
     const double radius = render_irradiance_radius(r->image, &r->options);
-    return KERNEL_PIXEL * radius * radius * noise_seconds(r) * (double)counts->gathered /
+    const double sampled = radius * (1.0 - r->image->unsampled);
+    return KERNEL_PIXEL * sampled * sampled * noise_seconds(r) * (double)counts->gathered /
            (double)counts->points;
 }
 
@@ -201,13 +203,19 @@ static double filter_most(const struct render *r, double fraction) {
     return render_cancelled(r) ? FILTER_CANCELLED : fraction * time_limit(r);
 }
 
-bool render_budget_filters(const struct render *r) {
+static double filter_estimate(const struct render *r) {
+    return fmin(largest_filter(r), filter_most(r, FILTER_FRACTION));
+}
+
+float render_budget_filter_radius(const struct render *r) {
+    const float radius = render_irradiance_radius(r->image, &r->options);
     const double most = filter_most(r, FILTER_FRACTION);
-    return isinf(most) || filter_estimate(r) <= most;
+    if (isinf(most)) return radius;
+    const double largest = largest_filter(r);
+    return largest > most ? radius * sqrtf((float)(most / largest)) : radius;
 }
 
 bool render_budget_filters_noise(const struct render *r) {
-    if (r->image && r->image->noise_unfit) return false;
     const double most = filter_most(r, NOISE_FILTER_FRACTION);
     return isinf(most) || noise_filter_estimate(r) <= most;
 }
@@ -221,12 +229,11 @@ static double noise_filter_kept(const struct render *r) {
 static double finish_seconds(const struct render *r) {
     if (!(r->options.time > 0.0)) return 0.0;
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const double filter = render_budget_filters(r) ? filter_estimate(r) : 0.0;
     const bool late_rims = render_has_rims(r) && !(r->image && r->image->rims_taken);
     const double rims = late_rims ? RIMS_SECONDS : 0.0;
     const bool waits = r->image && r->image->noise_waits;
     const double noise = (waits ? 1.0 - NOISE_LATE : 1.0) * noise_filter_kept(r);
-    return WRITE_SECONDS + filter + noise + (r->image ? r->image->edge_seconds : 0.0) +
+    return WRITE_SECONDS + filter_estimate(r) + noise + (r->image ? r->image->edge_seconds : 0.0) +
            (r->progress.write_pixel_seconds + rims) * pixels / parallel_cores_had(r->pool) +
            denoise_seconds(r);
 }
@@ -322,8 +329,8 @@ bool render_budget_next_round(const struct render *r, double seconds) {
 }
 
 void render_limit_image(struct render *r) {
-    // No pixel is to miss its first sample for edges, and for more than a part of the filter of
-    // noise, which are planned after it.
+    // No pixel is to miss its first sample for edges, which are planned after it, and for more than
+    // a part of the filter of noise.
     if (r->image && r->image->taken == 0) {
         r->image->edge_seconds = 0.0;
         r->image->noise_waits = true;
@@ -331,11 +338,10 @@ void render_limit_image(struct render *r) {
     r->progress.deadline = render_elapsed(r) + render_budget_left(r);
 }
 
-void render_budget_plan_noise(struct render *r) {
-    if (!r->image->noise_waits) return;
-    r->image->noise_waits = false;
-    const double estimate = noise_filter_estimate(r);
-    r->image->noise_unfit = render_budget_left(r) < -NOISE_LATE * estimate;
+double render_budget_unsampled(const struct render *r, double sample_seconds) {
+    const double pixels = (double)r->options.width * (double)r->options.height;
+    const double fit = fmax(render_budget_left(r), 0.0) / sample_seconds;
+    return fmax(1.0 - fit / pixels, 0.0);
 }
 
 void render_limit_coarse(struct render *r) {
@@ -406,8 +412,8 @@ static const double LIGHTS_SPP = 1.5, LIGHTS_FEWEST = 2.0, LIGHTS_REST = 0.5;
 
 uint32_t render_budget_lights(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    // The time for the filter of noise is kept after the first samples, if they leave it.
-    const double left = render_budget_left(r) - noise_filter_kept(r);
+    // All of the time for the filter of noise is kept after the first samples.
+    const double left = render_budget_left(r) - NOISE_LATE * noise_filter_kept(r);
     const double samples = left / sample_seconds / pixels;
     const double all = (double)r->options.light_samples;
     const double fraction = (samples / LIGHTS_SPP - LIGHTS_REST) / (1.0 - LIGHTS_REST);

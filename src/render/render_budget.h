@@ -304,11 +304,12 @@ enum { RENDER_CHECKPOINT_SECONDS = 60 };
 double render_budget_left(const struct render *r);
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
-// Whether irradiance is filtered where no record is near, likewise.
-bool render_budget_filters(const struct render *r);
-// Whether noise is filtered, likewise.
+// The fraction of the pixels that will have no sample if one takes so long.
+double render_budget_unsampled(const struct render *r, double sample_seconds);
+// The radius in pixels up to which irradiance is filtered where no record is near, so that it does
+// not take too long.
+float render_budget_filter_radius(const struct render *r);
+// Whether noise is filtered, unless it would take too long.
 bool render_budget_filters_noise(const struct render *r);
-// To be called when all pixels have a sample: decides whether there is time for it.
-void render_budget_plan_noise(struct render *r);
 
 #endif

@@ -116,7 +116,7 @@ static bool next_pass(struct render *r, uint64_t *samples) {
     parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     // Again, as the samples so far show how long the filter of irradiance and edges will take.
-    if (image->taken >= pixels) render_budget_plan_noise(r);
+    if (image->taken >= pixels) image->noise_waits = false;
     render_edges_plan(r);
     render_limit_image(r);
     *samples = render_budget_pass(r, image->taken, image->sample_seconds);
@@ -160,14 +160,17 @@ static uint64_t coarse_pixels(const struct render_image *image, int stride) {
 }
 
 // Where little time is left, by that of the coarse pass with this stride, the first samples have
-// fewer light samples, and where much is left, more gather rays.
-static void plan_first_counts(struct render *r, int stride, double seconds) {
+// fewer light samples, and where much is left, more gather rays. They end early enough for the
+// filter of irradiance, as that pass shows how long it will take.
+static void plan_first_samples(struct render *r, int stride, double seconds) {
     struct render_image *image = r->image;
     const uint64_t samples = coarse_pixels(image, stride) - coarse_pixels(image, 2 * stride);
     const double each = fmax(seconds / (double)samples, 1e-9);
+    image->unsampled = render_budget_unsampled(r, each);
     if (!r->second_pass.lights_chosen)
         render_adaptive_direct(&image->adapt, render_budget_lights(r, each));
     render_adaptive_gathers(&image->adapt, render_budget_gathers(r, each));
+    render_limit_image(r);
 }
 
 // Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
@@ -176,7 +179,7 @@ static void plan_first_counts(struct render *r, int stride, double seconds) {
 static bool take_first_samples(struct image_pass *pass) {
     struct render *r = pass->r;
     const bool short_of_time = r->options.time > 0.0 || render_steps(r)->coarse;
-    const double limit = render_limit_lift(r);
+    double limit = render_limit_lift(r);
     bool whole = true;
     if (r->progress.course == COURSE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
@@ -186,10 +189,13 @@ static bool take_first_samples(struct image_pass *pass) {
         whole = render_pass_run(pass);
         render_limit_restore(r, limit);
         const double seconds = render_agreed(r, stats_wall() - start);
-        if (whole && r->options.time > 0.0 && stride == r->image->coarsest / LIGHTS_STRIDE)
-            plan_first_counts(r, stride, seconds);
+        if (whole && r->options.time > 0.0 && stride == r->image->coarsest / LIGHTS_STRIDE) {
+            plan_first_samples(r, stride, seconds);
+            limit = r->progress.deadline;
+        }
         if (!short_of_time) break;
     }
+    r->image->unsampled = 0.0;
     if (short_of_time && whole)
         r->image->taken = (uint64_t)r->image->width * (uint64_t)r->image->height;
     return whole;

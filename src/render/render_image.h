@@ -177,7 +177,7 @@ struct render_image {
     uint64_t edges_planned;       // `taken` when these were found; 0: never
     bool noise_waits;             // whether only the least time is kept for the filter of noise,
                                   // until all pixels have a sample
-    bool noise_unfit;             // whether a time limit then left none for it
+    double unsampled;             // fraction of the pixels for whose first one a limit is too short
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     bool rare_emission;           // whether many pixels had emission by chance then
     int coarsest;                 // pixels between the first samples, a power of two
@@ -264,9 +264,10 @@ float render_irradiance_rays(const satin_options *options);
 float render_irradiance_radius(const struct render_image *image, const satin_options *options);
 // Adds what a sample has gathered.
 void render_irradiance_gathered(struct image_gathered *sum, const struct shade_sample *sample);
-// The change of the diffuse indirect light of pixel (x, y), which has a sample.
+// The change of the diffuse indirect light of pixel (x, y), which has a sample, by kernels up to
+// this radius in pixels.
 rgb render_irradiance_change(const struct render_image *image, const struct satin_scene *scene,
-                             const satin_options *options, int x, int y);
+                             const satin_options *options, float radius, int x, int y);
 // Sets image->irradiance, if there is what the filter needs, and the time. False if there is no
 // memory.
 bool render_irradiance_filter(struct render *r);

@@ -85,13 +85,13 @@ float render_irradiance_radius(const struct render_image *image, const satin_opt
 }
 
 static struct irradiance_window window_at(const struct render_image *image, const satin_options *o,
-                                          int x, int y) {
+                                          float radius, int x, int y) {
     return (struct irradiance_window){
         .p = &image->gathered[(size_t)y * (size_t)image->width + (size_t)x],
         .image = image,
         .x = x,
         .y = y,
-        .radius = render_irradiance_radius(image, o),
+        .radius = radius,
         .a = o->irradiance_a * o->irradiance_widen};
 }
 
@@ -183,8 +183,8 @@ static float filtered(float light, float of, float albedo, float unfiltered) {
 }
 
 rgb render_irradiance_change(const struct render_image *image, const struct satin_scene *scene,
-                             const satin_options *o, int x, int y) {
-    const struct irradiance_window w = window_at(image, o, x, y);
+                             const satin_options *o, float radius_most, int x, int y) {
+    const struct irradiance_window w = window_at(image, o, radius_most, x, y);
     const struct image_gathered *p = w.p;
     if (!(p->rays > 0.0f)) return rgb_grey(0.0f);
     struct summing sum = {.scene = scene};
@@ -200,21 +200,29 @@ rgb render_irradiance_change(const struct render_image *image, const struct sati
     return rgb_finite(change) ? change : rgb_grey(0.0f);
 }
 
+struct irradiance_filtering {
+    struct render *r;
+    float radius;  // of the largest kernel
+};
+
 static void filter_irradiance_rows(void *ctx, size_t begin, size_t end, int worker) {
-    const struct render *r = ctx;
+    const struct irradiance_filtering *f = ctx;
+    const struct render *r = f->r;
     const size_t width = (size_t)r->image->width;
     (void)worker;
     for (size_t at = begin * width; at < end * width; at++)
-        r->image->irradiance[at] = render_irradiance_change(r->image, &r->scene, &r->options,
-                                                            (int)(at % width), (int)(at / width));
+        r->image->irradiance[at] = render_irradiance_change(
+            r->image, &r->scene, &r->options, f->radius, (int)(at % width), (int)(at / width));
 }
 
 bool render_irradiance_filter(struct render *r) {
     struct render_image *image = r->image;
-    if (!image->gathered || !render_budget_filters(r)) return true;
+    struct irradiance_filtering f = {r, 0.0f};
+    if (!image->gathered) return true;
     image->irradiance = array_new_unset(render_pixel_count(image), sizeof *image->irradiance);
     if (!image->irradiance) return false;
     parallel_begin_part(r->pool, "irradiance_filter");
-    parallel_for_all(r->pool, (size_t)image->height, FILTER_ROWS, filter_irradiance_rows, r);
+    f.radius = render_budget_filter_radius(r);
+    parallel_for_all(r->pool, (size_t)image->height, FILTER_ROWS, filter_irradiance_rows, &f);
     return true;
 }

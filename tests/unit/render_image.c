@@ -133,29 +133,46 @@ static void short_limits_have_fewer_light_samples(void **state) {
     parallel_free(r.pool);
 }
 
-// What the filter of noise takes is kept once all pixels have a sample, or not at all if there is
-// too little.
-static void first_samples_come_before_the_filter_of_noise(void **state) {
+// What the filter of noise takes is kept from the beginning, unless it is more than a quarter of
+// the limit.
+static void time_for_the_filter_of_noise_is_kept(void **state) {
     (void)state;
-    static const double LEFT[] = {300.0, 2.0};  // seconds after the first samples
+    static const double PIXEL_SECONDS[] = {0.01, 0.03}, KEPT[] = {100.0, 0.0};
     for (int i = 0; i < 2; i++) {
         struct render r = budget_case(1000.0);
         struct image_noisy light;
         struct render_image image = {.width = 100, .height = 100, .noisy_light = &light};
         r.image = &image;
-        r.progress.noise_pixel_seconds = 0.01;  // 100 seconds
-        const double all = render_budget_left(&r);
-        assert_true(all < 901.0);
-        render_limit_image(&r);
-        assert_true(render_budget_left(&r) > all + 99.0);
-        r.progress.start = stats_wall() - 1000.0 + LEFT[i];
-        image.taken = 10000;
-        render_budget_plan_noise(&r);
+        r.progress.noise_pixel_seconds = PIXEL_SECONDS[i];
+        assert_true(fabs(render_budget_left(&r) - (1000.0 - KEPT[i])) < 1.0);
         assert_int_equal(render_budget_filters_noise(&r), i == 0);
-        const double kept = i == 0 ? 100.0 : 0.0;
-        assert_true(fabs(render_budget_left(&r) - (LEFT[i] - kept)) < 1.0);
         parallel_free(r.pool);
     }
+}
+
+// Kernels of irradiance are as large as fits into a tenth of the limit.
+static void filters_of_irradiance_fit(void **state) {
+    (void)state;
+    struct render r = budget_case(1000.0);
+    struct image_gathered gathered;
+    struct image_noisy light;
+    struct render_image image = {.width = 100,
+                                 .height = 100,
+                                 .noisy_light = &light,
+                                 .gathered = &gathered,
+                                 .counts = {.points = 100, .gathered = 1}};
+    r.image = &image;
+    r.progress.noise_pixel_seconds = 0.1;
+    const float largest = render_irradiance_radius(&image, &r.options);
+    assert_true(render_budget_filter_radius(&r) == largest);
+    const double without = render_budget_left(&r);
+    image.counts.gathered = 100;
+    assert_true(without - render_budget_left(&r) < 101.0);
+    const float radius = render_budget_filter_radius(&r);
+    assert_true(radius > 1.0f && radius < largest);
+    image.counts.gathered = 50;
+    assert_true(fabsf(render_budget_filter_radius(&r) - sqrtf(2.0f) * radius) < 1e-3f * largest);
+    parallel_free(r.pool);
 }
 
 int main(void) {
@@ -164,7 +181,8 @@ int main(void) {
         cmocka_unit_test(passes_take_what_the_options_say),
         cmocka_unit_test(first_samples_are_few),
         cmocka_unit_test(short_limits_have_fewer_light_samples),
-        cmocka_unit_test(first_samples_come_before_the_filter_of_noise),
+        cmocka_unit_test(time_for_the_filter_of_noise_is_kept),
+        cmocka_unit_test(filters_of_irradiance_fit),
         cmocka_unit_test(rays_at_rims_are_a_fraction_of_the_samples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -76,11 +76,16 @@ static void render_irradiance_image(wall_fn *at, float rays) {
         }
 }
 
+static rgb changed_by_filter(const satin_options *o, int x, int y) {
+    return render_irradiance_change(&film_image, &two_room_scene.scene, o,
+                                    render_irradiance_radius(&film_image, o), x, y);
+}
+
 // The irradiance of a pixel after the filter, by its green channel; before it without options.
 static double render_irradiance_at(const satin_options *o, int x, int y) {
     const struct image_gathered *p = &gathered[y * SIDE + x];
     rgb change = rgb_grey(0.0f);
-    if (o) change = render_irradiance_change(&film_image, &two_room_scene.scene, o, x, y);
+    if (o) change = changed_by_filter(o, x, y);
     return (double)(p->light.g / (float)SAMPLES + change.g) / (double)albedo_of(x, y).g;
 }
 
@@ -152,8 +157,7 @@ static void many_rays_suffice(void **state) {
     (void)state;
     render_irradiance_image(one_wall, 1000.0f);
     for (int x = 0; x < SIDE; x++) {
-        const rgb change = render_irradiance_change(&film_image, &two_room_scene.scene,
-                                                    &satin_options_default, x, x);
+        const rgb change = changed_by_filter(&satin_options_default, x, x);
         assert_true(fabsf(change.g) <= 1e-6f * gathered[x * SIDE + x].light.g);
     }
 }
@@ -184,8 +188,7 @@ static void pixels_with_records_stay(void **state) {
     (void)state;
     render_irradiance_image(one_wall, 1.0f);
     gathered[5 * SIDE + 5] = (struct image_gathered){.rays = 0.0f};
-    assert_true(rgb_black(render_irradiance_change(&film_image, &two_room_scene.scene,
-                                                   &satin_options_default, 5, 5)));
+    assert_true(rgb_black(changed_by_filter(&satin_options_default, 5, 5)));
 }
 
 static void denoised_images_have_no_filter(void **state) {
