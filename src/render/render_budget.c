@@ -62,9 +62,8 @@ static const double RIMS_SECONDS = 1.2e-6;
 // a furnished room; and the largest fraction of the limit for it.
 static const double EDGES_SECONDS = 3e-6, EDGES_MOST = 0.1;
 // The time of a pixel in a kernel of irradiance, over that of a pixel in the filter of noise, which
-// is measured: 19 times as long for a kernel of 24 pixels. (On two machines of which one is half as
-// fast it was 16, when the latter was said to take 1.2 times as long.)
-static const double KERNEL_PIXEL = 1.0 / 30.0;
+// is measured: 58 times as long for a kernel of 24 pixels.
+static const double KERNEL_PIXEL = 0.1;
 // The largest fraction of the time limit for it: the last tenth of the samples lowers the error by
 // a tenth, the filter by a quarter and more. And its longest time after a cancellation [s].
 static const double FILTER_FRACTION = 0.1, FILTER_CANCELLED = 0.5;

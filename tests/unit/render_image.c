@@ -162,7 +162,7 @@ static void filters_of_irradiance_fit(void **state) {
                                  .gathered = &gathered,
                                  .counts = {.points = 100, .gathered = 1}};
     r.image = &image;
-    r.progress.noise_pixel_seconds = 0.1;
+    r.progress.noise_pixel_seconds = 0.03;
     const float largest = render_irradiance_radius(&image, &r.options);
     assert_true(render_budget_filter_radius(&r) == largest);
     const double without = render_budget_left(&r);
