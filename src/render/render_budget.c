@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much work a render does, and how a time limit is divided. A step gets a fraction of the limit
-// or of the remaining time, and speeds are measured while it renders, so the same fractions are
-// valid for any scene and any number of cores. In the order of the light:
+// How much work a render does, and how a time limit is divided. A step gets a fraction of what is
+// usable of the limit or of the remaining time, and speeds are measured while it renders, so the
+// same fractions are valid for any scene and any number of cores. In the order of the light:
 //
 //   photons           the first FIRST_PHOTONS, then as many as fit until PHOTONS_UNTIL, or with
 //                     caustics until CAUSTICS_UNTIL
@@ -25,7 +25,7 @@
 // three rooms at 50 us per pixel relMSE is .18, .024 and .074 with .3, and 10, .024 and .083 with
 // .5. With .22 it is .12, .020 and .055, but .0068 instead of .0024 in a scene with a caustic.
 static const double PILOT_FRACTION = 0.5, PILOT_DENOISED = 0.3;
-// The fraction of the time limit.
+// The fraction of the usable time.
 static const double TABLES_UNTIL = 0.45;
 // Fractions of the remaining time.
 static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
@@ -55,9 +55,10 @@ static const double COARSE_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 // The time for the film beside that of compressing it, which is measured: a file of its metadata is
 // written and renamed [s].
 static const double WRITE_SECONDS = 0.05;
-// That of emission that is sampled after the limit, at one pixel of the film [core s]: .05 to .9e-6
-// in three scenes (640x360), 3 to 5e-6 in three where lamps or windows are seen through glass.
-static const double RIMS_SECONDS = 1.2e-6;
+// That of emission that is sampled after the limit, at one pixel of the film [core s], and what it
+// is over that of a first ray, which is measured as soon as the image begins: 1.0 to 2.0 in ten
+// scenes. It is .05 to .9e-6 in most and 3 to 5e-6 where lamps or windows are seen through glass.
+static const double RIMS_SECONDS = 0.7e-6, RIMS_RAYS = 1.5;
 // That of edges, likewise, until samples are planned: 1.9 to 3.5e-6 in three scenes, 9e-6 in
 // a furnished room; and the largest fraction of the limit for it.
 static const double EDGES_SECONDS = 3e-6, EDGES_MOST = 0.1;
@@ -69,8 +70,11 @@ static const double KERNEL_PIXEL = 0.1;
 static const double FILTER_FRACTION = 0.1, FILTER_CANCELLED = 0.5;
 
 // The largest fraction of the limit for the filter of noise, and that of its time by which it may
-// exceed the limit: an image of one sample per pixel is worth little without it.
-static const double NOISE_FILTER_FRACTION = 0.25, NOISE_LATE = 0.5;
+// exceed the limit: an image of one sample per pixel is worth little without it. Where less than
+// NOISE_SAMPLED of the pixels will have a sample, more of them gain more.
+static const double NOISE_FILTER_FRACTION = 0.25, NOISE_LATE = 0.5, NOISE_SAMPLED = 0.1;
+// What follows the image leaves at least this fraction of the limit.
+static const double USABLE_LEAST = 0.1;
 
 enum {
     EQUAL_LEAST = 2,     // least number of samples per pixel that are distributed equally
@@ -216,6 +220,7 @@ float render_budget_filter_radius(const struct render *r) {
 
 bool render_budget_filters_noise(const struct render *r) {
     const double most = filter_most(r, NOISE_FILTER_FRACTION);
+    if (r->options.time > 0.0 && !(r->image && r->image->noise_fits)) return false;
     return isinf(most) || noise_filter_estimate(r) <= most;
 }
 
@@ -229,12 +234,19 @@ static double finish_seconds(const struct render *r) {
     if (!(r->options.time > 0.0)) return 0.0;
     const double pixels = (double)r->options.width * (double)r->options.height;
     const bool late_rims = render_has_rims(r) && !(r->image && r->image->rims_taken);
-    const double rims = late_rims ? RIMS_SECONDS : 0.0;
-    const bool waits = r->image && r->image->noise_waits;
-    const double noise = (waits ? 1.0 - NOISE_LATE : 1.0) * noise_filter_kept(r);
+    const double measured = r->image ? r->image->rim_seconds : 0.0;
+    const double rims = !late_rims ? 0.0 : measured > 0.0 ? measured : RIMS_SECONDS;
+    const bool first = r->image && r->image->taken == 0;
+    const double noise = (first ? 1.0 - NOISE_LATE : 1.0) * noise_filter_kept(r);
     return WRITE_SECONDS + filter_estimate(r) + noise + (r->image ? r->image->edge_seconds : 0.0) +
            (r->progress.write_pixel_seconds + rims) * pixels / parallel_cores_had(r->pool) +
            denoise_seconds(r);
+}
+
+double render_budget_usable(const struct render *r) {
+    const double limit = time_limit(r), edges = r->image ? r->image->edge_seconds : 0.0;
+    if (isinf(limit)) return limit;
+    return render_agreed(r, fmax(limit - (finish_seconds(r) - edges), USABLE_LEAST * limit));
 }
 
 double render_budget_left(const struct render *r) {
@@ -260,7 +272,9 @@ void render_limit_photon_pilot(struct render *r) {
     const double fraction = r->denoiser ? PILOT_DENOISED : PILOT_FRACTION;
     r->progress.deadline = render_elapsed(r) + fraction * render_time_left(r);
 }
-void render_limit_tables(struct render *r) { r->progress.deadline = TABLES_UNTIL * time_limit(r); }
+void render_limit_tables(struct render *r) {
+    r->progress.deadline = TABLES_UNTIL * render_budget_usable(r);
+}
 
 void render_limit_bounces(struct render *r, double start, double done) {
     r->progress.deadline = start + BOUNCES_FRACTION * (time_limit(r) - start) * done;
@@ -328,14 +342,14 @@ bool render_budget_next_round(const struct render *r, double seconds) {
 }
 
 void render_limit_image(struct render *r) {
-    // No pixel is to miss its first sample for edges, which are planned after it, and for more than
-    // a part of the filter of noise.
-    if (r->image && r->image->taken == 0) {
-        r->image->edge_seconds = 0.0;
-        r->image->noise_waits = true;
-    }
+    // No pixel is to miss its first sample for edges, which are planned after it.
+    if (r->image && r->image->taken == 0) r->image->edge_seconds = 0.0;
     r->progress.deadline = render_elapsed(r) + render_budget_left(r);
 }
+
+double render_budget_rims(double ray_seconds) { return RIMS_RAYS * ray_seconds; }
+
+bool render_budget_fits_noise(double unsampled) { return unsampled <= 1.0 - NOISE_SAMPLED; }
 
 double render_budget_unsampled(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;
@@ -411,7 +425,6 @@ static const double LIGHTS_SPP = 1.5, LIGHTS_FEWEST = 2.0, LIGHTS_REST = 0.5;
 
 uint32_t render_budget_lights(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    // All of the time for the filter of noise is kept after the first samples.
     const double left = render_budget_left(r) - NOISE_LATE * noise_filter_kept(r);
     const double samples = left / sample_seconds / pixels;
     const double all = (double)r->options.light_samples;

@@ -300,12 +300,18 @@ enum { RENDER_GATHERS_MOST = 8, RENDER_GATHER_COST = 6 };
 // most that an interruption costs. Writing that of 1920x1080 pixels, 431 MB, takes .9 CPU seconds
 // and 1.6 s with the disk, so 60 cost 1.5 to 3 % of such a render, and 10 would cost 9 to 16 %.
 enum { RENDER_CHECKPOINT_SECONDS = 60 };
-// The seconds that are left for records and image, before what comes after it.
+// The seconds of the time limit before what comes after the image, INFINITY without a limit; and
+// those of them that are left.
+double render_budget_usable(const struct render *r);
 double render_budget_left(const struct render *r);
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
-// The fraction of the pixels that will have no sample if one takes so long.
+// The fraction of the pixels that will have no sample if one takes so long, and whether noise is
+// filtered in spite of that.
 double render_budget_unsampled(const struct render *r, double sample_seconds);
+bool render_budget_fits_noise(double unsampled);
+// The core seconds per pixel of emission that is sampled after a limit, by those of one ray.
+double render_budget_rims(double ray_seconds);
 // The radius in pixels up to which irradiance is filtered where no record is near, so that it does
 // not take too long.
 float render_budget_filter_radius(const struct render *r);

@@ -122,9 +122,10 @@ static const double SKY_SAMPLES = 64.0, SKY_LEAST = 16.0, DIRECT_FRACTION = 0.04
 
 static double photons_end(const struct render *r, double caustics) {
     if (!(r->options.time > 0.0)) return INFINITY;
-    const double passed = render_elapsed(r) / r->options.time;
+    const double usable = render_budget_usable(r);
+    const double passed = render_elapsed(r) / usable;
     const double longer = fmax(CAUSTICS_UNTIL - PHOTONS_UNTIL - passed, 0.0);
-    return (PHOTONS_UNTIL + longer * caustics) * r->options.time;
+    return (PHOTONS_UNTIL + longer * caustics) * usable;
 }
 
 struct gather_entry_samples render_budget_entry_samples(const struct render *r, double seconds) {

@@ -116,7 +116,7 @@ static bool next_pass(struct render *r, uint64_t *samples) {
     parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     // Again, as the samples so far show how long the filter of irradiance and edges will take.
-    if (image->taken >= pixels) image->noise_waits = false;
+    if (image->taken >= pixels) image->noise_fits = true;
     render_edges_plan(r);
     render_limit_image(r);
     *samples = render_budget_pass(r, image->taken, image->sample_seconds);
@@ -166,7 +166,9 @@ static void plan_first_samples(struct render *r, int stride, double seconds) {
     struct render_image *image = r->image;
     const uint64_t samples = coarse_pixels(image, stride) - coarse_pixels(image, 2 * stride);
     const double each = fmax(seconds / (double)samples, 1e-9);
+    if (render_has_rims(r)) image->rim_seconds = render_budget_rims(render_rims_ray_seconds(r));
     image->unsampled = render_budget_unsampled(r, each);
+    image->noise_fits = render_budget_fits_noise(image->unsampled);
     if (!r->second_pass.lights_chosen)
         render_adaptive_direct(&image->adapt, render_budget_lights(r, each));
     render_adaptive_gathers(&image->adapt, render_budget_gathers(r, each));

@@ -175,9 +175,9 @@ struct render_image {
     float edge_alike;             // how much surfaces differ at most where there is none, for it
     double edge_seconds;          // that they will take, or are expected to before all samples
     uint64_t edges_planned;       // `taken` when these were found; 0: never
-    bool noise_waits;             // whether only the least time is kept for the filter of noise,
-                                  // until all pixels have a sample
+    bool noise_fits;              // whether a time limit allows the filter of noise
     double unsampled;             // fraction of the pixels for whose first one a limit is too short
+    double rim_seconds;           // of emission after the limit, at each pixel [core s]
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     bool rare_emission;           // whether many pixels had emission by chance then
     int coarsest;                 // pixels between the first samples, a power of two
@@ -349,6 +349,8 @@ bool render_image_unpack(struct render_image *image, const struct bytes *in);
 // varies. To be called when all samples that are distributed equally are taken; `late`: after a
 // time limit that was over before. *whole is false if it was stopped early.
 satin_status render_rims(struct render *r, bool late, bool *whole);
+// The core time of a ray for emission alone, measured at some pixels by rays that do not count.
+double render_rims_ray_seconds(struct render *r);
 enum { RENDER_RIMS_BYTES = 29 };  // its memory per pixel, at most
 // Whether the render takes such rays. Integrator `path` is for comparison, and takes nothing but
 // its samples.

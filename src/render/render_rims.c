@@ -283,6 +283,27 @@ static bool sample_emission(struct rims *rims, satin_status *status) {
     return true;
 }
 
+// ---- Forecast -----------------------------------------------------------------------------------
+
+static void time_first(void *ctx, size_t begin, size_t end, int worker) {
+    const struct rims *rims = ctx;
+    const size_t step = render_pixel_count(rims->r->image) / RIMS_TIMED + 1;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        float weight;
+        (void)trace_ray(rims, &rims->r->second_pass.shade, (uint32_t)(i * step), 0, &weight);
+    }
+}
+
+double render_rims_ray_seconds(struct render *r) {
+    struct rims rims = {.r = r};
+    const size_t pixels = render_pixel_count(r->image), timed = pixels / (pixels / RIMS_TIMED + 1);
+    const double before = parallel_loop_seconds(r->pool);
+    parallel_begin_part(r->pool, "rims");
+    parallel_for_all(r->pool, timed, RIMS_CHUNK, time_first, &rims);
+    return render_agreed(r, parallel_loop_seconds(r->pool) - before) / (double)timed;
+}
+
 bool render_has_rims(const struct render *r) {
     return r->progress.replaced || !gather_traces_paths(&r->options);
 }

@@ -133,8 +133,8 @@ static void short_limits_have_fewer_light_samples(void **state) {
     parallel_free(r.pool);
 }
 
-// What the filter of noise takes is kept from the beginning, unless it is more than a quarter of
-// the limit.
+// What the filter of noise takes is kept as soon as it is known that enough pixels will have a
+// sample, half of it before they have, unless it is more than a quarter of the limit.
 static void time_for_the_filter_of_noise_is_kept(void **state) {
     (void)state;
     static const double PIXEL_SECONDS[] = {0.01, 0.03}, KEPT[] = {100.0, 0.0};
@@ -144,10 +144,37 @@ static void time_for_the_filter_of_noise_is_kept(void **state) {
         struct render_image image = {.width = 100, .height = 100, .noisy_light = &light};
         r.image = &image;
         r.progress.noise_pixel_seconds = PIXEL_SECONDS[i];
+        assert_true(fabs(render_budget_left(&r) - 1000.0) < 1.0);
+        assert_false(render_budget_filters_noise(&r));
+        image.noise_fits = true;
+        assert_true(fabs(render_budget_left(&r) - (1000.0 - 0.5 * KEPT[i])) < 1.0);
+        image.taken = 10000;
         assert_true(fabs(render_budget_left(&r) - (1000.0 - KEPT[i])) < 1.0);
         assert_int_equal(render_budget_filters_noise(&r), i == 0);
         parallel_free(r.pool);
     }
+}
+
+static void noise_of_few_samples_is_not_filtered(void **state) {
+    (void)state;
+    assert_true(render_budget_fits_noise(0.0));
+    assert_true(render_budget_fits_noise(0.89));
+    assert_false(render_budget_fits_noise(0.91));
+}
+
+// What comes after the image is not usable by what comes before it, unless it takes nearly all of
+// the limit.
+static void steps_divide_what_is_usable(void **state) {
+    (void)state;
+    struct render r = budget_case(1000.0);
+    assert_true(fabs(render_budget_usable(&r) - 1000.0) < 1.0);
+    r.progress.write_pixel_seconds = 0.03;
+    assert_true(fabs(render_budget_usable(&r) - 700.0) < 1.0);
+    r.progress.write_pixel_seconds = 0.2;
+    assert_true(fabs(render_budget_usable(&r) - 100.0) < 1.0);
+    r.options.time = 0.0;
+    assert_true(isinf(render_budget_usable(&r)));
+    parallel_free(r.pool);
 }
 
 // Kernels of irradiance are as large as fits into a tenth of the limit.
@@ -182,6 +209,8 @@ int main(void) {
         cmocka_unit_test(first_samples_are_few),
         cmocka_unit_test(short_limits_have_fewer_light_samples),
         cmocka_unit_test(time_for_the_filter_of_noise_is_kept),
+        cmocka_unit_test(noise_of_few_samples_is_not_filtered),
+        cmocka_unit_test(steps_divide_what_is_usable),
         cmocka_unit_test(filters_of_irradiance_fit),
         cmocka_unit_test(rays_at_rims_are_a_fraction_of_the_samples),
     };
