@@ -55,12 +55,8 @@ static const double COARSE_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 // The time for the film beside that of compressing it, which is measured: a file of its metadata is
 // written and renamed [s].
 static const double WRITE_SECONDS = 0.05;
-// That of emission that is sampled after the limit, at one pixel of the film [core s], and what it
-// is over that of a first ray, which is measured as soon as the image begins: 1.0 to 2.0 in ten
-// scenes. It is .05 to .9e-6 in most and 3 to 5e-6 where lamps or windows are seen through glass.
-static const double RIMS_SECONDS = 0.7e-6, RIMS_RAYS = 1.5;
-// That of edges, likewise, until samples are planned: 1.9 to 3.5e-6 in three scenes, 9e-6 in
-// a furnished room; and the largest fraction of the limit for it.
+// That of edges at one pixel of the film [core s], until samples are planned: 1.9 to 3.5e-6 in
+// three scenes, 9e-6 in a furnished room; and the largest fraction of the limit for it.
 static const double EDGES_SECONDS = 3e-6, EDGES_MOST = 0.1;
 // The time of a pixel in a kernel of irradiance, over that of a pixel in the filter of noise, which
 // is measured: 58 times as long for a kernel of 24 pixels.
@@ -82,36 +78,11 @@ enum {
     FIRST_STRIDE = 16,   // least distance of the pixels with the very first samples
     FIRST_MOST = 256,  // largest number of those pixels, so that an image of any size has its first
                        // samples after a moment; finer pixels follow until the time is over
-    HEMISPHERE_RAYS_LEAST = 8,  // of one sample where a cache is off
-    // Rays of one pixel at a rim, a power of two: whole nets. Just beyond the edge of a lamp the
-    // filter's tail sees some thousandths of it, which light the pixel as much as all else: with
-    // 128 rays, means of 5x5 pixels of metal-room were up to 7 % off there.
-    RIM_RAYS_LEAST = 128,
-    // In metal-room at 640x640, 512, 1024 and 2048 leave 8.0, 2.5 and 1.0e-6 of emission's relMSE
-    // for .5, .9 and 1.8 CPU seconds, of 180 at production; at 1000x1000 5.9, 2.4 and .8e-6 for .8,
-    // 1.4 and 2.8. Up to 400x400, RIM_RAYS_MEAN allows no more than 1024 there.
-    RIM_RAYS_MOST = 1024,
-    RIM_RAYS_SAMPLE = 32,  // for each sample of the pixel; 1024 at production
-    // For each core second of a time limit: 1 % of 6.5 core seconds at 200x200, and .3 of 16 at
-    // 400x400. With 32, half of the error of all pixels was that of the lamp's edges in
-    // cornell-glossy (200x200): relMSE x 10^4 of .88 instead of .62 in these 6.5 seconds.
-    RIM_RAYS_CORE_SECOND = 128
+    HEMISPHERE_RAYS_LEAST = 8  // of one sample where a cache is off
 };
 // The samples of a pixel that a core second per pixel allows, with all that is before the image:
 // those that quality preview had. Their number is not known when it is first needed.
 static const double CORE_SECOND_SAMPLES = 16.0 / 1.3e-4;
-// The number of rays at rims per pixel of the whole image, if it is more than twice that of the
-// rays of each. Where one pixel in twelve is at a rim, as in a room with many windows, 16 leave
-// .0007 of emission's relMSE instead of .0020 with 2, for 2 % of 12 CPU seconds at 320x180. The
-// time of drafts of the data scenes, which have few such pixels, changes by less than the
-// difference between runs.
-static const double RIM_RAYS_MEAN = 16.0;
-// That after a time limit, which they exceed. With 16, in a room with many windows at 640x360, a
-// limit of 12 CPU seconds ended after 13.5.
-static const double RIM_RAYS_MEAN_LATE = 2.0;
-// The largest fraction of a time limit for rays at rims. RIM_RAYS_MEAN alone takes 11 and 17 % of
-// 10 s in two furnished rooms at 640x360, where this leaves .76 and .8 of the error.
-static const double RIMS_FRACTION = 0.05;
 // The number of samples per pixel below which a denoised image is worse than one of paths, of which
 // two to four times as many fit, by a pilot before there are records. With 1.5 the relMSE of
 // living-room at 3 s (320x180) is .021 and .032 by two seeds, of which the first has paths, with 2
@@ -233,13 +204,11 @@ static double noise_filter_kept(const struct render *r) {
 static double finish_seconds(const struct render *r) {
     if (!(r->options.time > 0.0)) return 0.0;
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const bool late_rims = render_has_rims(r) && !(r->image && r->image->rims_taken);
-    const double measured = r->image ? r->image->rim_seconds : 0.0;
-    const double rims = !late_rims ? 0.0 : measured > 0.0 ? measured : RIMS_SECONDS;
     const bool first = r->image && r->image->taken == 0;
     const double noise = (first ? 1.0 - NOISE_LATE : 1.0) * noise_filter_kept(r);
     return WRITE_SECONDS + filter_estimate(r) + noise + (r->image ? r->image->edge_seconds : 0.0) +
-           (r->progress.write_pixel_seconds + rims) * pixels / parallel_cores_had(r->pool) +
+           render_budget_late_rims(r) +
+           r->progress.write_pixel_seconds * pixels / parallel_cores_had(r->pool) +
            denoise_seconds(r);
 }
 
@@ -346,8 +315,6 @@ void render_limit_image(struct render *r) {
     if (r->image && r->image->taken == 0) r->image->edge_seconds = 0.0;
     r->progress.deadline = render_elapsed(r) + render_budget_left(r);
 }
-
-double render_budget_rims(double ray_seconds) { return RIMS_RAYS * ray_seconds; }
 
 bool render_budget_fits_noise(double unsampled) { return unsampled <= 1.0 - NOISE_SAMPLED; }
 
@@ -480,19 +447,4 @@ float render_budget_sample_cost(const struct shade_counts *c, bool gathers) {
     const double work = 4.0 * (double)c->points + 2.0 * (double)c->interpolated +
                         (double)RENDER_GATHER_COST * (double)rays;
     return c->samples ? (float)(work / (double)c->samples) : 1.0f;
-}
-
-uint32_t render_budget_rim_rays(const satin_options *o, double core_seconds,
-                                const struct render_rim_rays *rims) {
-    const bool timed = o->time > 0.0;
-    const double wanted =
-        timed ? RIM_RAYS_CORE_SECOND * core_seconds : (double)(RIM_RAYS_SAMPLE * (uint64_t)o->spp);
-    const double mean = rims->late ? RIM_RAYS_MEAN_LATE : fmax(RIM_RAYS_MEAN, 2.0 * rims->first);
-    const double fit =
-        timed && rims->seconds > 0.0 ? RIMS_FRACTION * core_seconds / rims->seconds : INFINITY;
-    const double most = fmin(mean / rims->fraction, fit);
-    uint32_t rays = RIM_RAYS_MOST;
-    while (rays > RIM_RAYS_LEAST && rays > wanted) rays /= 2;
-    while (rays > most) rays /= 2;
-    return rays;
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: the budgets, that is how much work a render does, and when. What divides time
 // between stages, or decides how many photons, records, rays, samples or pixels a stage may use, is
-// here, in render_budget.c, render_budget_photons.c and render_budget_records.c, also for stages of
-// other folders, which get such numbers in their arguments. Elsewhere are: the values of the
-// options by quality and by effort, which is core seconds per pixel (options_quality.c), and these
-// are the base of all decisions; the limit of memory (render_memory.c); and what is a property of
-// an algorithm: the size of a sample from which its accuracy follows, as of the pilot in
-// photon_stored.c, the sizes of blocks and batches, and how work is distributed among pixels or
-// photons that are given.
+// here, in render_budget.c, render_budget_photons.c, render_budget_records.c and
+// render_budget_rims.c, also for stages of other folders, which get such numbers in their
+// arguments. Elsewhere are: the values of the options by quality and by effort, which is core
+// seconds per pixel (options_quality.c), and these are the base of all decisions; the limit of
+// memory (render_memory.c); and what is a property of an algorithm: the size of a sample from which
+// its accuracy follows, as of the pilot in photon_stored.c, the sizes of blocks and batches, and
+// how work is distributed among pixels or photons that are given.
 //
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,
@@ -310,7 +310,10 @@ bool render_budget_denoises(const struct render *r);
 // filtered in spite of that.
 double render_budget_unsampled(const struct render *r, double sample_seconds);
 bool render_budget_fits_noise(double unsampled);
-// The core seconds per pixel of emission that is sampled after a limit, by those of one ray.
+// The seconds that emission will take which is sampled after a limit; 0: it was sampled before, or
+// would take too long and is left out.
+double render_budget_late_rims(const struct render *r);
+// The core seconds per pixel that it takes then, by those of one ray.
 double render_budget_rims(double ray_seconds);
 // The radius in pixels up to which irradiance is filtered where no record is near, so that it does
 // not take too long.

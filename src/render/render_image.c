@@ -277,8 +277,8 @@ static satin_status take_passes(struct image_pass *pass, bool restored) {
 // Where a time limit is over before rims are looked for, they are sampled after it, by few rays: at
 // .7 CPU seconds relMSE of cornell-metal is .024 instead of .081 (four seeds, 200x200).
 static satin_status take_late_rims(struct render *r) {
-    if (!(r->options.time > 0.0) || r->image->rims_taken > 0 || render_cancelled(r) ||
-        render_checkpoint_due(r) || !render_has_rims(r))
+    if (!(r->options.time > 0.0) || render_cancelled(r) || render_checkpoint_due(r) ||
+        !(render_budget_late_rims(r) > 0.0))
         return SATIN_OK;
     bool whole;
     const double limit = render_limit_lift(r);

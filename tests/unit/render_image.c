@@ -177,6 +177,23 @@ static void steps_divide_what_is_usable(void **state) {
     parallel_free(r.pool);
 }
 
+// Rays at rims after the limit are left out where they would take more than half of it.
+static void late_rims_do_not_take_long(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct render r = budget_case(1000.0);
+        struct render_image image = {.width = 100, .height = 100};
+        r.image = &image;
+        r.options.integrator = SATIN_TWO_PASS;
+        image.rim_seconds = i == 0 ? 0.04 : 0.06;
+        assert_int_equal(render_budget_late_rims(&r) > 0.0, i == 0);
+        assert_true(fabs(render_budget_left(&r) - (i == 0 ? 600.0 : 1000.0)) < 1.0);
+        image.rims_taken = 1;
+        assert_true(render_budget_late_rims(&r) == 0.0);
+        parallel_free(r.pool);
+    }
+}
+
 // Kernels of irradiance are as large as fits into a tenth of the limit.
 static void filters_of_irradiance_fit(void **state) {
     (void)state;
@@ -211,6 +228,7 @@ int main(void) {
         cmocka_unit_test(time_for_the_filter_of_noise_is_kept),
         cmocka_unit_test(noise_of_few_samples_is_not_filtered),
         cmocka_unit_test(steps_divide_what_is_usable),
+        cmocka_unit_test(late_rims_do_not_take_long),
         cmocka_unit_test(filters_of_irradiance_fit),
         cmocka_unit_test(rays_at_rims_are_a_fraction_of_the_samples),
     };
