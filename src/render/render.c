@@ -79,7 +79,10 @@ static satin_status prepare_second_pass(struct render *r) {
     render_memory_limit_cache(r, pass->cache, r->second_pass.bounce_count + 1);
     pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
     if (!pass->fill) return SATIN_ERROR_MEMORY;
-    return render_shading(r, render_has_stage(r, STAGE_RECORDS) ? pass->cache : NULL);
+    satin_status status =
+        render_shading(r, render_has_stage(r, STAGE_RECORDS) ? pass->cache : NULL);
+    if (status == SATIN_OK) render_budget_time_rims(r);
+    return status;
 }
 
 // What stands between the photons and the records of the image.

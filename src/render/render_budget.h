@@ -313,8 +313,9 @@ bool render_budget_fits_noise(double unsampled);
 // The seconds that emission will take which is sampled after a limit; 0: it was sampled before, or
 // would take too long and is left out.
 double render_budget_late_rims(const struct render *r);
-// The core seconds per pixel that it takes then, by those of one ray.
-double render_budget_rims(double ray_seconds);
+// With a time limit, measures how long it takes by some rays. To be called when samples can be
+// shaded.
+void render_budget_time_rims(struct render *r);
 // The radius in pixels up to which irradiance is filtered where no record is near, so that it does
 // not take too long.
 float render_budget_filter_radius(const struct render *r);

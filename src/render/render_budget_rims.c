@@ -31,17 +31,18 @@ static const double RIM_RAYS_MEAN_LATE = 2.0;
 // The largest fraction of a time limit for rays at rims. RIM_RAYS_MEAN alone takes 11 and 17 % of
 // 10 s in two furnished rooms at 640x360, where this leaves .76 and .8 of the error.
 static const double RIMS_FRACTION = 0.05;
-// The time of emission that is sampled after a limit, at one pixel of the film [core s], and what
-// it is over that of a first ray, which is measured as soon as the image begins: 1.0 to 2.0 in ten
-// scenes. It is .05 to .9e-6 in most and 3 to 5e-6 where lamps or windows are seen through glass.
-static const double RIMS_SECONDS = 0.7e-6, RIMS_RAYS = 1.5;
+// The time of emission that is sampled after a limit, at one pixel of the film [core s], until it
+// is measured by first rays. It is .05 to .9e-6 in most scenes and 2 to 5e-6 where all is seen
+// through glass. With that of rays at rims, which is half of it in the mean, a room that is seen
+// through a glass sphere had 1.5 times the error.
+static const double RIMS_SECONDS = 0.7e-6;
 // The largest fraction of the limit for it: 4000x2250 pixels take 12 s, whatever the limit.
 static const double RIMS_LATE = 0.5;
 
 // The time of emission after the limit, if it is not sampled before.
 static double late_rims_seconds(const struct render *r) {
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const double measured = r->image ? r->image->rim_seconds : 0.0;
+    const double measured = r->progress.rim_pixel_seconds;
     if (!render_has_rims(r) || (r->image && r->image->rims_taken)) return 0.0;
     return (measured > 0.0 ? measured : RIMS_SECONDS) * pixels / parallel_cores_had(r->pool);
 }
@@ -51,7 +52,10 @@ double render_budget_late_rims(const struct render *r) {
     return seconds <= RIMS_LATE * r->options.time ? seconds : 0.0;
 }
 
-double render_budget_rims(double ray_seconds) { return RIMS_RAYS * ray_seconds; }
+void render_budget_time_rims(struct render *r) {
+    if (r->options.time > 0.0 && render_has_rims(r))
+        r->progress.rim_pixel_seconds = render_rims_ray_seconds(r);
+}
 
 uint32_t render_budget_rim_rays(const satin_options *o, double core_seconds,
                                 const struct render_rim_rays *rims) {

@@ -166,7 +166,6 @@ static void plan_first_samples(struct render *r, int stride, double seconds) {
     struct render_image *image = r->image;
     const uint64_t samples = coarse_pixels(image, stride) - coarse_pixels(image, 2 * stride);
     const double each = fmax(seconds / (double)samples, 1e-9);
-    if (render_has_rims(r)) image->rim_seconds = render_budget_rims(render_rims_ray_seconds(r));
     image->unsampled = render_budget_unsampled(r, each);
     image->noise_fits = render_budget_fits_noise(image->unsampled);
     if (!r->second_pass.lights_chosen)

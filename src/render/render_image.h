@@ -177,7 +177,6 @@ struct render_image {
     uint64_t edges_planned;       // `taken` when these were found; 0: never
     bool noise_fits;              // whether a time limit allows the filter of noise
     double unsampled;             // fraction of the pixels for whose first one a limit is too short
-    double rim_seconds;           // of emission after the limit, at each pixel [core s]
     uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
     bool rare_emission;           // whether many pixels had emission by chance then
     int coarsest;                 // pixels between the first samples, a power of two

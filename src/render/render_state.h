@@ -73,9 +73,9 @@ struct render_progress {
                                    // many photons of caustics; 0: not known
     double last_report;            // wall clock at the last report to the caller
     struct render_forecast forecast;
-    // Seconds of one core for writing a pixel of the film, and for filtering its noise; 0: there is
-    // no time limit.
-    double write_pixel_seconds, noise_pixel_seconds;
+    // Seconds of one core for writing a pixel of the film, for filtering its noise, and for a ray
+    // for emission alone; 0: there is no time limit, or they are not known.
+    double write_pixel_seconds, noise_pixel_seconds, rim_pixel_seconds;
 };
 
 // The first pass: photons, and the visibility of the lights.

@@ -185,7 +185,7 @@ static void late_rims_do_not_take_long(void **state) {
         struct render_image image = {.width = 100, .height = 100};
         r.image = &image;
         r.options.integrator = SATIN_TWO_PASS;
-        image.rim_seconds = i == 0 ? 0.04 : 0.06;
+        r.progress.rim_pixel_seconds = i == 0 ? 0.04 : 0.06;
         assert_int_equal(render_budget_late_rims(&r) > 0.0, i == 0);
         assert_true(fabs(render_budget_left(&r) - (i == 0 ? 600.0 : 1000.0)) < 1.0);
         image.rims_taken = 1;
