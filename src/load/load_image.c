@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads images for textures and environments as linear floats: PNG files by libpng, JPEG files by
-// libjpeg, all others by the module on OpenImageIO, which is found and opened here.
+// libjpeg, OpenEXR files by OpenEXR, all others by the module on OpenImageIO, which is found and
+// opened here.
 #include <dlfcn.h>
 #include <stdlib.h>
 
@@ -201,6 +202,7 @@ static satin_status load_any_image(const struct load_source *source, struct load
     struct image_data file = {source->path, data, size, alpha};
     const struct image_reader *own = load_image_is_png(&file)    ? &load_image_png
                                      : load_image_is_jpeg(&file) ? &load_image_jpeg
+                                     : load_image_is_exr(&file)  ? &load_image_exr
                                                                  : NULL;
     if (own) {
         status = read_image(source, images, own, &file, kind, out);

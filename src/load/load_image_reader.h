@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to load/: the interface of image readers, which are libpng (load_image_png.c),
-// libjpeg (load_image_jpeg.c) and the module on OpenImageIO.
+// libjpeg (load_image_jpeg.c), OpenEXR (load_image_exr.c) and the module on OpenImageIO.
 // load_image.c opens the module on first use: if OpenImageIO were linked, every start would take
 // 138 ms and 120 MB more.
 #ifndef LOAD_IMAGE_READER_H
@@ -50,6 +50,9 @@ int load_image_is_png(const struct image_data *file);
 // Likewise for JPEG files of one or three components.
 extern const struct image_reader load_image_jpeg;
 int load_image_is_jpeg(const struct image_data *file);
+// Likewise for OpenEXR files of the usual channels and methods of compression.
+extern const struct image_reader load_image_exr;
+int load_image_is_exr(const struct image_data *file);
 
 // The only symbol of the module, an image_reader.
 #define OIIO_MODULE_SYMBOL "satin_oiio_module"

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images through both readers: values of several formats, linearised or raw, and wrong files.
 #include <png.h>
+#include <sys/stat.h>
 
 #include "base/process.h"
+#include "film/film.h"
 #include "mesh_case.h"
 
 struct image_case {
@@ -119,6 +121,49 @@ static void floats_must_be_possible_for_light(void **state) {
     arena_free(&c.arena);
 }
 
+// Colours, luminance and alpha of an OpenEXR file, in the order of an image, whatever else is in
+// it.
+static void exr_files_need_no_module(void **state) {
+    (void)state;
+    static const char *const names[] = {"Z", "glossy.R", "B", "A", "R", "G"};
+    static const char *const grey[] = {"Y"};
+    enum { CHANNELS = 6, WIDTH = 7, HEIGHT = 40 };  // chunks of 16 rows
+    struct scene_case log;
+    satin_film *film = film_new(WIDTH, HEIGHT, names, CHANNELS),
+               *single = film_new(WIDTH, HEIGHT, grey, 1);
+    assert_true(film && single);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        for (int c = 0; c < CHANNELS; c++) film->channel[c][i] = (float)(1000 * c + i);
+        single->channel[0][i] = (float)i;
+    }
+    const struct log to = scene_case_begin(&log);
+    assert_int_equal(satin_film_write_exr(film, "a.exr", to.fn, to.user), SATIN_OK);
+    assert_int_equal(satin_film_write_exr(single, "grey.exr", to.fn, to.user), SATIN_OK);
+    satin_film_free(film);
+    satin_film_free(single);
+    struct image_case c = {.hash = 1};
+    struct load_source source = {
+        scene_case_begin(&c.log), {"scene.xml", 3, 7}, &c.arena, "a.exr", &c.hash};
+    struct load_images images = {.arena = &c.arena};
+    struct image *image, *alpha, *luminance;
+    assert_int_equal(load_image(&source, &images, false, &image), SATIN_OK);
+    assert_int_equal(load_image_channel(&source, &images, false, LOAD_IMAGE_ALPHA, &alpha),
+                     SATIN_OK);
+    source.path = "grey.exr";
+    assert_int_equal(load_image(&source, &images, false, &luminance), SATIN_OK);
+    assert_false(images.module);
+    assert_true(image->width == WIDTH && image->height == HEIGHT && image->channels == 3);
+    assert_true(alpha->channels == 1 && luminance->channels == 1);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        static const int of_color[3] = {4, 5, 2};
+        for (int k = 0; k < 3; k++)
+            assert_float_equal(image->texel[3 * i + k], (float)(1000 * of_color[k] + i), 0.0f);
+        assert_float_equal(alpha->texel[i], (float)(3000 + i), 0.0f);
+        assert_float_equal(luminance->texel[i], (float)i, 0.0f);
+    }
+    arena_free(&c.arena);
+}
+
 static void load_image_refuse(const char *path, const char *message) {
     struct image_case c;
     struct image *image = NULL;
@@ -128,6 +173,34 @@ static void load_image_refuse(const char *path, const char *message) {
     if (strncmp(c.log.error, message, strlen(message)) != 0)
         assert_string_equal(c.log.error, message);
     arena_free(&c.arena);
+}
+
+// Writes the first bytes of a file to another.
+static void cut_file(const char *path, size_t size, const char *to) {
+    char *bytes = malloc(size);
+    FILE *file = fopen(path, "rb");
+    assert_true(bytes && file);
+    assert_int_equal(fread(bytes, 1, size, file), size);
+    fclose(file);
+    scene_case_bytes(to, bytes, size);
+    free(bytes);
+}
+
+static void damaged_exr_files_are_refused(void **state) {
+    (void)state;
+    static const char *const names[] = {"R", "G", "B"};
+    struct scene_case log;
+    satin_film *film = film_new(64, 64, names, 3);
+    assert_non_null(film);
+    const struct log to = scene_case_begin(&log);
+    assert_int_equal(satin_film_write_exr(film, "whole.exr", to.fn, to.user), SATIN_OK);
+    satin_film_free(film);
+    struct stat whole;
+    assert_int_equal(stat("whole.exr", &whole), 0);
+    cut_file("whole.exr", (size_t)whole.st_size - 8, "short.exr");
+    load_image_refuse("short.exr", "scene.xml:3:7: cannot read image 'short.exr': invalid pixels");
+    cut_file("whole.exr", 40, "header.exr");
+    load_image_refuse("header.exr", "scene.xml:3:7: cannot read image 'header.exr'");
 }
 
 static void wrong_image_files_are_refused(void **state) {
@@ -295,8 +368,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_channel_is_read),
         cmocka_unit_test(bytes_become_linear),
+        cmocka_unit_test(exr_files_need_no_module),
         cmocka_unit_test(floats_must_be_possible_for_light),
         cmocka_unit_test(wrong_image_files_are_refused),
+        cmocka_unit_test(damaged_exr_files_are_refused),
         cmocka_unit_test(images_become_coarser),
         cmocka_unit_test(large_images_are_missing),
         cmocka_unit_test(coarser_environments_keep_their_light),

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads OpenEXR from memory by the C functions of OpenEXR.
+#include "base/exrfile.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const int64_t VALUES_MAX = (int64_t)1 << 31;  // 8 GB of floats
+enum {
+    HEADER_MAX = 1 << 20,  // the library sorts attributes by insertion, in quadratic time
+    CHANNELS_MAX = 1024,
+    WIDTH_MAX = 1 << 28,  // the library counts the bytes of a line by int32
+    RATIO_MAX = 2048      // more than any method compresses: PXR24 with zlib has 1376
+};
+
+// ---- What the library calls ---------------------------------------------------------------------
+
+// Stores the message, which would otherwise go to standard error.
+static void note_error(exr_const_context_t exr, exr_result_t code, const char *message) {
+    void *user = NULL;
+    (void)message;
+    if (code == EXR_ERR_OUT_OF_MEMORY && exr_get_user_data(exr, &user) == EXR_ERR_SUCCESS && user)
+        ((struct exrfile *)user)->no_memory = true;
+}
+
+static int64_t memory_size(exr_const_context_t exr, void *user) {
+    (void)exr;
+    return (int64_t)((struct exrfile *)user)->size;
+}
+
+static int64_t memory_read(exr_const_context_t exr, void *user, void *buffer, uint64_t bytes,
+                           uint64_t offset, exr_stream_error_func_ptr_t error) {
+    const struct exrfile *r = user;
+    (void)exr;
+    (void)error;
+    if (offset >= r->size || (r->in_header && offset > HEADER_MAX)) return 0;
+    if (bytes > r->size - offset) bytes = r->size - offset;
+    memcpy(buffer, r->data + offset, bytes);
+    return (int64_t)bytes;
+}
+
+// ---- The header ---------------------------------------------------------------------------------
+
+static satin_status exr_problem(struct exrfile *file, const char *what, const char *problem) {
+    snprintf(file->problem, sizeof file->problem, "%s%s", what, problem);
+    return SATIN_ERROR_INPUT;
+}
+
+satin_status exrfile_no_memory(struct exrfile *file) {
+    exr_problem(file, "", "not enough memory");
+    return SATIN_ERROR_MEMORY;
+}
+
+static satin_status exr_problem_code(struct exrfile *file, const char *what, exr_result_t code) {
+    if (code == EXR_ERR_OUT_OF_MEMORY || file->no_memory) return exrfile_no_memory(file);
+    return exr_problem(file, what, exr_get_default_error_message(code));
+}
+
+static satin_status open_header(struct exrfile *file, const char *name) {
+    static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
+    if (file->size < sizeof magic || memcmp(file->data, magic, sizeof magic) != 0)
+        return exr_problem(file, "", "it is not an OpenEXR file");
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    init.error_handler_fn = note_error;
+    init.user_data = file;
+    init.read_fn = memory_read;
+    init.size_fn = memory_size;
+    init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    file->in_header = true;
+    const exr_result_t code = exr_start_read(&file->exr, name, &init);
+    file->in_header = false;
+    return code == EXR_ERR_SUCCESS ? SATIN_OK
+                                   : exr_problem_code(file, "invalid OpenEXR header: ", code);
+}
+
+// The first feature of the file that is not supported, by name; NULL if there is none.
+static const char *unsupported(exr_storage_t storage, exr_compression_t compression,
+                               const exr_attr_chlist_t *channels) {
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return "deep images are not supported";
+    if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)
+        return "DWA compression is not supported";
+    if (compression > EXR_COMPRESSION_B44A) return "its compression is not supported";
+    if (channels->num_channels < 1) return "it has no channels";
+    if (channels->num_channels > CHANNELS_MAX) return "it has too many channels";
+    for (int i = 0; i < channels->num_channels; i++)
+        if (channels->entries[i].x_sampling != 1 || channels->entries[i].y_sampling != 1)
+            return "subsampled channels are not supported";
+    return NULL;
+}
+
+// Reads the size of the image and checks it against the size of the file.
+static const char *read_size(struct exrfile *file) {
+    const exr_attr_chlist_t *channels = file->channels;
+    int64_t width = (int64_t)file->window.max.x - file->window.min.x + 1;
+    int64_t height = (int64_t)file->window.max.y - file->window.min.y + 1, bytes = 0;
+    if (width < 1 || height < 1) return "its data window is empty";
+    if (width > WIDTH_MAX || width > VALUES_MAX / channels->num_channels / height)
+        return "it is too large";
+    for (int i = 0; i < channels->num_channels; i++)
+        bytes += channels->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+    if (width * height > (int64_t)(file->size * RATIO_MAX) / bytes)
+        return "it is too short for the size that its header states";
+    file->width = (int)width;
+    file->height = (int)height;
+    return NULL;
+}
+
+satin_status exrfile_open(struct exrfile *file, const char *name, const void *data, size_t size) {
+    exr_storage_t storage = EXR_STORAGE_SCANLINE;
+    exr_compression_t compression = EXR_COMPRESSION_NONE;
+    *file = (struct exrfile){.data = data, .size = size};
+    const satin_status status = open_header(file, name);
+    if (status != SATIN_OK) return status;
+    exr_result_t code = exr_get_storage(file->exr, 0, &storage);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_compression(file->exr, 0, &compression);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_channels(file->exr, 0, &file->channels);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(file->exr, 0, &file->window);
+    if (code != EXR_ERR_SUCCESS) return exr_problem_code(file, "invalid OpenEXR header: ", code);
+    const char *why = unsupported(storage, compression, file->channels);
+    if (!why) why = read_size(file);
+    if (why) return exr_problem(file, "", why);
+    file->tiled = storage == EXR_STORAGE_TILED;
+    return SATIN_OK;
+}
+
+void exrfile_close(struct exrfile *file) {
+    free(file->unread);
+    if (file->exr) exr_finish(&file->exr);
+}
+
+// ---- Pixels -------------------------------------------------------------------------------------
+
+// Allocates memory for the values of a channel that is not read: the library may crash without.
+static bool unread_fits(struct exrfile *file, const exr_chunk_info_t *info) {
+    const size_t count = (size_t)info->width * (size_t)info->height;
+    if (count <= file->unread_count) return true;
+    free(file->unread);
+    file->unread = malloc(count * sizeof *file->unread);
+    file->unread_count = file->unread ? count : 0;
+    return file->unread != NULL;
+}
+
+// Decodes one chunk, with its corner at (x, y) from that of the window.
+static exr_result_t decode_chunk(struct exrfile *file, const struct exrfile_channel *to,
+                                 const exr_chunk_info_t *info, int64_t x, int64_t y) {
+    if (x < 0 || y < 0 || x + info->width > file->width || y + info->height > file->height)
+        return EXR_ERR_CORRUPT_CHUNK;
+    exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_result_t code = exr_decoding_initialize(file->exr, 0, info, &pipe);
+    for (int c = 0; code == EXR_ERR_SUCCESS && c < pipe.channel_count; c++) {
+        exr_coding_channel_info_t *channel = &pipe.channels[c];
+        const bool unread = !to[c].first;
+        if (unread && !unread_fits(file, info)) {
+            code = EXR_ERR_OUT_OF_MEMORY;
+            break;
+        }
+        const size_t column = unread ? 1 : to[c].column,
+                     row = unread ? (size_t)info->width : to[c].row;
+        float *corner = unread ? file->unread : to[c].first + (size_t)y * row + (size_t)x * column;
+        channel->user_bytes_per_element = sizeof *corner;
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = (int32_t)(column * sizeof *corner);
+        channel->user_line_stride = (int32_t)(row * sizeof *corner);
+        channel->decode_to_ptr = (uint8_t *)corner;
+    }
+    if (code == EXR_ERR_SUCCESS) code = exr_decoding_choose_default_routines(file->exr, 0, &pipe);
+    if (code == EXR_ERR_SUCCESS) code = exr_decoding_run(file->exr, 0, &pipe);
+    exr_decoding_destroy(file->exr, &pipe);
+    return code;
+}
+
+static satin_status read_scanlines(struct exrfile *file, const struct exrfile_channel *to) {
+    int32_t lines = 0;
+    exr_result_t code = exr_get_scanlines_per_chunk(file->exr, 0, &lines);
+    if (code == EXR_ERR_SUCCESS && lines < 1) code = EXR_ERR_FILE_BAD_HEADER;
+    for (int64_t y = 0; code == EXR_ERR_SUCCESS && y < file->height; y += lines) {
+        exr_chunk_info_t info;
+        code = exr_read_scanline_chunk_info(file->exr, 0, (int)(file->window.min.y + y), &info);
+        if (code == EXR_ERR_SUCCESS) code = decode_chunk(file, to, &info, 0, y);
+    }
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_problem_code(file, "invalid pixels: ", code);
+}
+
+static satin_status read_tiles(struct exrfile *file, const struct exrfile_channel *to) {
+    int32_t w = 0, h = 0;
+    exr_result_t code = exr_get_tile_sizes(file->exr, 0, 0, 0, &w, &h);
+    if (code == EXR_ERR_SUCCESS && (w < 1 || h < 1)) code = EXR_ERR_FILE_BAD_HEADER;
+    if (code != EXR_ERR_SUCCESS) return exr_problem_code(file, "invalid tiles: ", code);
+    int columns = (file->width - 1) / w + 1, rows = (file->height - 1) / h + 1;
+    for (int64_t i = 0; code == EXR_ERR_SUCCESS && i < (int64_t)columns * rows; i++) {
+        int tx = (int)(i % columns), ty = (int)(i / columns);
+        exr_chunk_info_t info;
+        code = exr_read_tile_chunk_info(file->exr, 0, tx, ty, 0, 0, &info);
+        if (code == EXR_ERR_SUCCESS)
+            code = decode_chunk(file, to, &info, (int64_t)tx * w, (int64_t)ty * h);
+    }
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_problem_code(file, "invalid pixels: ", code);
+}
+
+satin_status exrfile_read(struct exrfile *file, const struct exrfile_channel *to) {
+    const satin_status status = file->tiled ? read_tiles(file, to) : read_scanlines(file, to);
+    return status == SATIN_OK && file->no_memory ? exrfile_no_memory(file) : status;
+}
