@@ -54,29 +54,32 @@ static float decode_value(struct decoded_bytes *known, float x) {
     return known->to[i];
 }
 
+static void decode_values(float *texel, size_t count) {
+    struct decoded_bytes known = {{0.0f}, {0.0f}};
+    for (size_t i = 0; i < count; i++) texel[i] = decode_value(&known, texel[i]);
+}
+
+static bool is_texel(float x) { return x >= 0.0f && x < TEXEL_LIMIT; }
+
 static void finish_texels(const struct load_source *source, float *texel, size_t count,
                           bool decode) {
-    struct decoded_bytes known = {{0.0f}, {0.0f}};
     size_t bad = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (decode) texel[i] = decode_value(&known, texel[i]);
-        if (texel[i] >= 0.0f && texel[i] < TEXEL_LIMIT) continue;
-        texel[i] = 0.0f;
-        bad++;
-    }
-    if (bad)
-        log_message(source->log, SATIN_LOG_WARNING,
-                    "%s: %zu values are negative, not finite or over %g and count as 0",
-                    source->path, bad, (double)TEXEL_LIMIT);
+    if (decode) decode_values(texel, count);
+    for (size_t i = 0; i < count; i++) bad += !is_texel(texel[i]);
+    if (!bad) return;
+    for (size_t i = 0; i < count; i++)
+        if (!is_texel(texel[i])) texel[i] = 0.0f;
+    log_message(source->log, SATIN_LOG_WARNING,
+                "%s: %zu values are negative, not finite or over %g and count as 0", source->path,
+                bad, (double)TEXEL_LIMIT);
 }
 
 // Decodes heights and checks that they are finite.
 static satin_status finish_heights(const struct load_source *source, const struct image *image,
                                    float *texel, bool decode) {
     const size_t row = (size_t)image->width * (size_t)image->channels;
-    struct decoded_bytes known = {{0.0f}, {0.0f}};
+    if (decode) decode_values(texel, row * (size_t)image->height);
     for (size_t i = 0; i < row * (size_t)image->height; i++) {
-        if (decode) texel[i] = decode_value(&known, texel[i]);
         if (isfinite(texel[i])) continue;
         log_error_at(source->log, source->place,
                      "image '%s': the height in column %zu of row %zu is not finite", source->path,

@@ -14,7 +14,10 @@
 
 #include "load/load_image_reader.h"
 
-enum { SCANS_MOST = 256 };  // a progressive file has some ten
+enum {
+    SCANS_MOST = 256,  // a progressive file has some ten
+    JPEG_BLOCK = 256   // that are converted at once
+};
 
 struct jpeg_input {
     struct jpeg_decompress_struct jpeg;
@@ -124,6 +127,17 @@ static bool read_jpeg_rows(struct jpeg_input *input, unsigned char *rows, size_t
     return !input->damaged;
 }
 
+// Converts bytes, which may lie in the array from where they are not overwritten too early, as
+// below.
+static void convert_bytes(const unsigned char *from, size_t count, float *texel) {
+    unsigned char block[JPEG_BLOCK];
+    for (size_t i = 0; i < count; i += JPEG_BLOCK) {
+        const size_t n = count - i < JPEG_BLOCK ? count - i : JPEG_BLOCK;
+        memcpy(block, from + i, n);
+        for (size_t k = 0; k < n; k++) texel[i + k] = (float)block[k] * (1.0f / UCHAR_MAX);
+    }
+}
+
 static enum reader_result read_jpeg(struct opened_image *image, float *texel, char *error,
                                     size_t size) {
     struct jpeg_input *input = image->input;
@@ -133,7 +147,7 @@ static enum reader_result read_jpeg(struct opened_image *image, float *texel, ch
     // overwrites only the byte from which it is made and bytes before that.
     const unsigned char *from = (unsigned char *)texel + count * (sizeof *texel - 1);
     if (!read_jpeg_rows(input, (unsigned char *)from, row)) return report_jpeg(input, error, size);
-    for (size_t i = 0; i < count; i++) texel[i] = (float)from[i] * (1.0f / UCHAR_MAX);
+    convert_bytes(from, count, texel);
     return READER_DONE;
 }
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "base/wide.h"
 #include "load/load_build.h"
 
 static int half_size(int n) { return n > 1 ? n / 2 : 1; }
@@ -46,26 +47,35 @@ static struct texel_span environment_span(int row, int n, int m) {
 }
 
 // Computes a texel of the copy.
-static void shrink_texel(const struct image *from, const struct texel_span *rows,
-                         const struct texel_span *columns, float *texel) {
-    const size_t channels = (size_t)from->channels;
-    for (size_t c = 0; c < channels; c++) texel[c] = 0.0f;
+WIDE_INLINE void shrink_texel(const struct image *from, const struct texel_span *rows,
+                              const struct texel_span *columns, size_t channels, float *texel) {
+    float sum[4] = {0.0f};
     for (int j = 0; j < rows->count; j++) {
         const size_t first = (size_t)(rows->first + j) * (size_t)from->width;
         const float *at = from->texel + (first + (size_t)columns->first) * channels;
         for (int i = 0; i < columns->count; i++)
             for (size_t c = 0; c < channels; c++)
-                texel[c] += rows->fraction[j] * columns->fraction[i] * *at++;
+                sum[c] += rows->fraction[j] * columns->fraction[i] * *at++;
     }
+    for (size_t c = 0; c < channels; c++) texel[c] = sum[c];
+}
+
+WIDE_INLINE void shrink_row(const struct image *from, const struct texel_span *rows,
+                            const struct texel_span *column, int width, size_t channels,
+                            float *texel) {
+    for (int x = 0; x < width; x++)
+        shrink_texel(from, rows, &column[x], channels, texel + (size_t)x * channels);
 }
 
 static void shrink_image(const struct image *from, const struct image *to, bool environment,
                          const struct texel_span *column, float *texel) {
-    for (int y = 0; y < to->height; y++) {
+    const size_t channels = (size_t)from->channels;
+    for (int y = 0; y < to->height; y++, texel += (size_t)to->width * channels) {
         const struct texel_span rows = environment ? environment_span(y, from->height, to->height)
                                                    : span_of(y, from->height, to->height);
-        for (int x = 0; x < to->width; x++, texel += from->channels)
-            shrink_texel(from, &rows, &column[x], texel);
+        // The numbers of channels that images have, as constants.
+        if (channels == 1) shrink_row(from, &rows, column, to->width, 1, texel);
+        if (channels == 3) shrink_row(from, &rows, column, to->width, 3, texel);
     }
 }
 

@@ -157,18 +157,33 @@ static void add_to_range(enum texture_wrap outside, float *lo, float *hi) {
     if (outside == TEXTURE_ONE) *lo = minf(*lo, 1.0f), *hi = maxf(*hi, 1.0f);
 }
 
+static float texel_luminance(const struct image *image, size_t i) {
+    const float *t = image->texel + i * (size_t)image->channels;
+    return rgb_luminance(image->channels == 1 ? rgb_grey(*t) : rgb_make(t[0], t[1], t[2]));
+}
+
+// Texels that do not wait for the range of each other.
+enum { RANGE_LANES = 8 };
+
 static void bitmap_range(const struct texture *texture, float *lo, float *hi) {
     const struct image *image = texture->image;
     *lo = INFINITY, *hi = -INFINITY;
     add_to_range(texture->wrap, lo, hi);
     add_to_range(texture->wrap_v, lo, hi);
     const size_t count = (size_t)image->width * (size_t)image->height;
-    const bool grey = image->channels == 1;
-    const float *t = image->texel;
-    for (size_t i = 0; i < count; i++, t += image->channels) {
-        const float value = rgb_luminance(grey ? rgb_grey(*t) : rgb_make(t[0], t[1], t[2]));
-        *lo = minf(*lo, value), *hi = maxf(*hi, value);
+    float least[RANGE_LANES], most[RANGE_LANES];
+    for (int k = 0; k < RANGE_LANES; k++) least[k] = *lo, most[k] = *hi;
+    size_t at = 0;
+    for (; at + RANGE_LANES <= count; at += RANGE_LANES)
+        for (size_t k = 0; k < RANGE_LANES; k++) {
+            const float value = texel_luminance(image, at + k);
+            least[k] = minf(least[k], value), most[k] = maxf(most[k], value);
+        }
+    for (; at < count; at++) {
+        const float value = texel_luminance(image, at);
+        least[0] = minf(least[0], value), most[0] = maxf(most[0], value);
     }
+    for (int k = 0; k < RANGE_LANES; k++) *lo = minf(*lo, least[k]), *hi = maxf(*hi, most[k]);
 }
 
 bool scene_texture_range(const struct texture *texture, float *lo, float *hi) {
