@@ -3,9 +3,11 @@
 #include "render/render_regression.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "base/vec.h"
+#include "base/wide.h"
 
 // The constants are measured in docs/experiments/edges.md.
 
@@ -16,58 +18,96 @@ static const float VARIES_LEAST = 1e-3f;
 // A regression counts as far as it explains more than this many times what noise would.
 static const float EXPLAINED_LEAST = 4.0f;
 
-static void take_means(struct regression *g) {
+// Rows of regressors and of values as vectors, as compilers do not make them of such short loops.
+typedef float eight __attribute__((vector_size(32), aligned(4), may_alias));
+typedef float four __attribute__((vector_size(16), aligned(4), may_alias));
+typedef int32_t eight_bits __attribute__((vector_size(32)));
+typedef int32_t four_bits __attribute__((vector_size(16)));
+_Static_assert(REGRESSORS == 8 && REGRESSION_VALUES == 12, "rows are eight, and eight and four");
+
+WIDE_INLINE eight *as_eight(float *row) { return (eight *)row; }
+WIDE_INLINE four *as_four(float *row) { return (four *)row; }
+
+// Lets the values of a row limit those of `least` and `most`.
+WIDE_INLINE void add_to_range(struct regression *g, float *row) {
+    const eight y = *as_eight(row), low = *as_eight(g->least), high = *as_eight(g->most);
+    const eight_bits below = y<low, above = y> high;
+    *as_eight(g->least) = (eight)((below & (eight_bits)y) | (~below & (eight_bits)low));
+    *as_eight(g->most) = (eight)((above & (eight_bits)y) | (~above & (eight_bits)high));
+    const four z = *as_four(row + 8), less = *as_four(&g->least[8]), more = *as_four(&g->most[8]);
+    const four_bits z_below = z<less, z_above = z> more;
+    *as_four(&g->least[8]) = (four)((z_below & (four_bits)z) | (~z_below & (four_bits)less));
+    *as_four(&g->most[8]) = (four)((z_above & (four_bits)z) | (~z_above & (four_bits)more));
+}
+
+WIDE_INLINE void take_means(struct regression *g) {
+    eight x = {0.0f}, first = {0.0f};
+    four last = {0.0f};
     g->sum = 0.0f;
-    memset(g->x_mean, 0, sizeof g->x_mean);
-    memset(g->y_mean, 0, sizeof g->y_mean);
     memcpy(g->least, g->y[0], sizeof g->least);
     memcpy(g->most, g->y[0], sizeof g->most);
     for (int i = 0; i < g->count; i++) {
-        const float *x = g->x[i], *y = g->y[i], w = g->weight[i];
+        const float w = g->weight[i];
         g->sum += w;
-        for (int k = 0; k < REGRESSORS; k++) g->x_mean[k] += w * x[k];
-        for (int c = 0; c < REGRESSION_VALUES; c++) {
-            g->y_mean[c] += w * y[c];
-            g->least[c] = minf(y[c], g->least[c]);
-            g->most[c] = maxf(y[c], g->most[c]);
-        }
+        x += w * *as_eight(g->x[i]);
+        first += w * *as_eight(g->y[i]);
+        last += w * *as_four(&g->y[i][8]);
+        add_to_range(g, g->y[i]);
     }
-    for (int k = 0; k < REGRESSORS; k++) g->x_mean[k] /= g->sum;
-    for (int c = 0; c < REGRESSION_VALUES; c++) g->y_mean[c] /= g->sum;
+    *as_eight(g->x_mean) = x / g->sum;
+    *as_eight(g->y_mean) = first / g->sum;
+    *as_four(&g->y_mean[8]) = last / g->sum;
 }
 
 // Subtracts the means, and scales the regressors.
-static void normalize(struct regression *g) {
-    float squares[REGRESSORS] = {0.0f};
+WIDE_INLINE void normalize(struct regression *g) {
+    eight squares = {0.0f};
     for (int i = 0; i < g->count; i++) {
-        for (int c = 0; c < REGRESSION_VALUES; c++) g->y[i][c] -= g->y_mean[c];
-        for (int k = 0; k < REGRESSORS; k++) {
-            g->x[i][k] -= g->x_mean[k];
-            squares[k] += g->weight[i] * g->x[i][k] * g->x[i][k];
-        }
+        *as_eight(g->y[i]) -= *as_eight(g->y_mean);
+        *as_four(&g->y[i][8]) -= *as_four(&g->y_mean[8]);
+        *as_eight(g->x[i]) -= *as_eight(g->x_mean);
+        squares += g->weight[i] * *as_eight(g->x[i]) * *as_eight(g->x[i]);
     }
     for (int k = 0; k < REGRESSORS; k++) {
         const float least = VARIES_LEAST * (k == REGRESSOR_DEPTH ? g->x_mean[k] : 1.0f),
                     deviation = sqrtf(squares[k] / g->sum);
         g->scale[k] = deviation > least ? 1.0f / deviation : 0.0f;
     }
-    for (int i = 0; i < g->count; i++)
-        for (int k = 0; k < REGRESSORS; k++) g->x[i][k] *= g->scale[k];
+    for (int i = 0; i < g->count; i++) *as_eight(g->x[i]) *= *as_eight(g->scale);
 }
 
-static void correlate(struct regression *g) {
-    memset(g->a, 0, sizeof g->a);
-    memset(g->b, 0, sizeof g->b);
-    for (int i = 0; i < g->count; i++)
-        for (int k = 0; k < REGRESSORS; k++) {
-            const float wx = g->weight[i] / g->sum * g->x[i][k];
-            for (int l = 0; l < REGRESSORS; l++) g->a[k][l] += wx * g->x[i][l];
-            for (int c = 0; c < REGRESSION_VALUES; c++) g->b[k][c] += wx * g->y[i][c];
+// The sums of one regressor at a time, which fit in registers.
+WIDE_INLINE void correlate(struct regression *g) {
+    float part[REGRESSION_MOST];
+    for (int i = 0; i < g->count; i++) part[i] = g->weight[i] / g->sum;
+    for (int k = 0; k < REGRESSORS; k++) {
+        eight a = {0.0f}, first = {0.0f};
+        four last = {0.0f};
+        for (int i = 0; i < g->count; i++) {
+            const float wx = part[i] * g->x[i][k];
+            a += wx * *as_eight(g->x[i]);
+            first += wx * *as_eight(g->y[i]);
+            last += wx * *as_four(&g->y[i][8]);
         }
+        *as_eight(g->a[k]) = a;
+        *as_eight(g->b[k]) = first;
+        *as_four(&g->b[k][8]) = last;
+    }
+}
+
+// Subtracts a row of values times a factor from another one.
+WIDE_INLINE void subtract_row(float *to, const float *from, float factor) {
+    *as_eight(to) -= factor * *(const eight *)from;
+    *as_four(to + 8) -= factor * *(const four *)(from + 8);
+}
+
+WIDE_INLINE void divide_row(float *row, float by) {
+    *as_eight(row) /= by;
+    *as_four(row + 8) /= by;
 }
 
 // Solves (A + RIDGE) slope = B by the Cholesky decomposition.
-static void solve(struct regression *g) {
+WIDE_INLINE void solve(struct regression *g) {
     float c[REGRESSORS][REGRESSORS];
     for (int k = 0; k < REGRESSORS; k++)
         for (int l = 0; l <= k; l++) {
@@ -77,30 +117,32 @@ static void solve(struct regression *g) {
         }
     memcpy(g->slope, g->b, sizeof g->slope);
     for (int k = 0; k < REGRESSORS; k++) {
-        for (int m = 0; m < k; m++)
-            for (int v = 0; v < REGRESSION_VALUES; v++) g->slope[k][v] -= c[k][m] * g->slope[m][v];
-        for (int v = 0; v < REGRESSION_VALUES; v++) g->slope[k][v] /= c[k][k];
+        for (int m = 0; m < k; m++) subtract_row(g->slope[k], g->slope[m], c[k][m]);
+        divide_row(g->slope[k], c[k][k]);
     }
     for (int k = REGRESSORS - 1; k >= 0; k--) {
-        for (int m = k + 1; m < REGRESSORS; m++)
-            for (int v = 0; v < REGRESSION_VALUES; v++) g->slope[k][v] -= c[m][k] * g->slope[m][v];
-        for (int v = 0; v < REGRESSION_VALUES; v++) g->slope[k][v] /= c[k][k];
+        for (int m = k + 1; m < REGRESSORS; m++) subtract_row(g->slope[k], g->slope[m], c[m][k]);
+        divide_row(g->slope[k], c[k][k]);
     }
 }
 
 // Sets how far the regression of each layer counts, from 0 to 1: by its variance that the
 // regressors explain, over what they would explain if it were noise.
-static void find_reliance(struct regression *g) {
-    float squares = 0.0f, explained[REGRESSION_VALUES] = {0.0f}, left[REGRESSION_VALUES] = {0.0f};
+WIDE_INLINE void find_reliance(struct regression *g) {
+    float squares = 0.0f, explained[REGRESSION_VALUES] = {0.0f}, left[REGRESSION_VALUES];
+    eight first = {0.0f};
+    four last = {0.0f};
     for (int i = 0; i < g->count; i++) {
+        const float part = g->weight[i] / g->sum;
         squares += sqrf(g->weight[i]);
-        for (int c = 0; c < REGRESSION_VALUES; c++)
-            left[c] += g->weight[i] / g->sum * sqrf(g->y[i][c]);
+        first += part * (*as_eight(g->y[i]) * *as_eight(g->y[i]));
+        last += part * (*as_four(&g->y[i][8]) * *as_four(&g->y[i][8]));
     }
+    *as_eight(left) = first;
+    *as_four(&left[8]) = last;
     for (int k = 0; k < REGRESSORS; k++) {
         float predicted[REGRESSION_VALUES] = {0.0f};
-        for (int l = 0; l < REGRESSORS; l++)
-            for (int c = 0; c < REGRESSION_VALUES; c++) predicted[c] += g->a[k][l] * g->slope[l][c];
+        for (int l = 0; l < REGRESSORS; l++) subtract_row(predicted, g->slope[l], -g->a[k][l]);
         for (int c = 0; c < REGRESSION_VALUES; c++) {
             explained[c] += g->slope[k][c] * predicted[c];
             left[c] += g->slope[k][c] * (predicted[c] - 2.0f * g->b[k][c]);
@@ -116,7 +158,7 @@ static void find_reliance(struct regression *g) {
     }
 }
 
-void render_regression_fit(struct regression *g) {
+WIDE void render_regression_fit(struct regression *g) {
     take_means(g);
     normalize(g);
     correlate(g);
