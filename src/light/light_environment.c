@@ -95,19 +95,19 @@ static float texel_pdf(const struct light *light, const struct texel_lookup *at,
     return lerpf(low, high, at->fy) / light->cell_mean / (2.0f * PI_F * PI_F * at->sin_theta);
 }
 
-struct angle {
+struct sky_angle {
     float sine, cosine;
 };
 
-static struct angle angle_of(float x) { return (struct angle){sinf(x), cosf(x)}; }
+static struct sky_angle sky_angle_of(float x) { return (struct sky_angle){sinf(x), cosf(x)}; }
 
-static vec3 direction_of(const struct light *light, struct angle phi, struct angle theta) {
+static vec3 sky_direction(const struct light *light, struct sky_angle phi, struct sky_angle theta) {
     const float s = theta.sine;
     return v3_unit(mat4_vector(&light->to_world, v3(s * phi.sine, theta.cosine, -s * phi.cosine)));
 }
 
 static vec3 direction_at(const struct light *light, float x, float y) {
-    return direction_of(light, angle_of(2.0f * PI_F * x), angle_of(PI_F * y));
+    return sky_direction(light, sky_angle_of(2.0f * PI_F * x), sky_angle_of(PI_F * y));
 }
 
 // ---- The sun ------------------------------------------------------------------------------------
@@ -160,21 +160,21 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
     const size_t row_cuts = cuts_of(rows), column_cuts = cuts_of(columns);
     uint32_t *row_cut = arena_array(&scene->arena, row_cuts + 1, sizeof *row_cut);
     uint32_t *column_cut = arena_array(&scene->arena, rows * (column_cuts + 1), sizeof *column_cut);
-    struct angle *phi = arena_array(&scene->arena, columns, sizeof *phi);
+    struct sky_angle *phi = arena_array(&scene->arena, columns, sizeof *phi);
     if (!row_cdf || !row_sum || !line || !weight || !column_cdf || !row_cut || !column_cut || !phi)
         return SATIN_ERROR_MEMORY;
     for (size_t c = 0; c < columns; c++)
-        phi[c] = angle_of(2.0f * PI_F * (((float)c + 1.0f) / (float)columns));
+        phi[c] = sky_angle_of(2.0f * PI_F * (((float)c + 1.0f) / (float)columns));
     for (size_t r = 0; r <= rows; r++) weight[r] = row_weight(image, (int)r);
     light->row_weight = weight;
     double cell_area = 2.0 * M_PI * M_PI / (double)(rows * columns), flux = 0.0, power = 0.0;
     for (size_t r = 0; r < rows; r++) {
-        const struct angle theta = angle_of(PI_F * (((float)r + 0.5f) / (float)rows));
+        const struct sky_angle theta = sky_angle_of(PI_F * (((float)r + 0.5f) / (float)rows));
         for (size_t c = 0; c < columns; c++) {
             const struct texels t = texels_of(light, (int)c, (int)r);
             const struct cell cell = cell_of(light, &t, (int)r);
             line[c] = cell_mean(&cell);
-            const vec3 d = direction_of(light, phi[c], theta);
+            const vec3 d = sky_direction(light, phi[c], theta);
             flux += line[c] * cell_area;
             power += line[c] * cell_area * light_bounds_projected_area(scene, d);
         }
