@@ -200,16 +200,18 @@ static double noise_filter_kept(const struct render *r) {
     return render_budget_filters_noise(r) ? noise_filter_estimate(r) : 0.0;
 }
 
+static double write_seconds(const struct render *r) {
+    const double pixels = (double)r->options.width * (double)r->options.height;
+    return WRITE_SECONDS + r->progress.write_pixel_seconds * pixels / parallel_cores_had(r->pool);
+}
+
 // The time after the image; 0 without a time limit.
 static double finish_seconds(const struct render *r) {
     if (!(r->options.time > 0.0)) return 0.0;
-    const double pixels = (double)r->options.width * (double)r->options.height;
     const bool first = r->image && r->image->taken == 0;
     const double noise = (first ? 1.0 - NOISE_LATE : 1.0) * noise_filter_kept(r);
-    return WRITE_SECONDS + filter_estimate(r) + noise + (r->image ? r->image->edge_seconds : 0.0) +
-           render_budget_late_rims(r) +
-           r->progress.write_pixel_seconds * pixels / parallel_cores_had(r->pool) +
-           denoise_seconds(r);
+    return filter_estimate(r) + noise + (r->image ? r->image->edge_seconds : 0.0) +
+           render_budget_late_rims(r) + write_seconds(r) + denoise_seconds(r);
 }
 
 double render_budget_usable(const struct render *r) {
@@ -220,6 +222,10 @@ double render_budget_usable(const struct render *r) {
 
 double render_budget_left(const struct render *r) {
     return render_agreed(r, render_time_left(r) - finish_seconds(r));
+}
+
+double render_budget_for_edges(const struct render *r) {
+    return render_agreed(r, fmax(render_time_left(r) - write_seconds(r), 0.0));
 }
 
 void render_budget_begin(struct render *r) {

@@ -304,6 +304,8 @@ enum { RENDER_CHECKPOINT_SECONDS = 60 };
 // those of them that are left.
 double render_budget_usable(const struct render *r);
 double render_budget_left(const struct render *r);
+// The seconds that are left to edges once the filters have run.
+double render_budget_for_edges(const struct render *r);
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
 // The fraction of the pixels that will have no sample if one takes so long, and whether noise is

@@ -10,8 +10,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "render/render_image.h"
-#include "render/render_regression.h"
+#include "render/render_edges.h"
 
 // The constants are measured in docs/experiments/edges.md.
 enum {
@@ -19,9 +18,6 @@ enum {
     EDGE_NEAR = 2,        // of those that show whether there is an edge
     RAYS_PER_SAMPLE = 2,  // at least
     RAYS_MOST = 1024,     // a pixel with as many samples has no rays
-    RAY_SHIFT_MOST = 4,   // their number is divided by 1 << this, at most, for a time limit
-    EDGES_TIMED = 512,    // pixels that show how long one takes
-    EDGES_CHUNK = 64,     // pixels per chunk
     COMPARE_CHUNK = 2048
 };
 
@@ -30,11 +26,6 @@ enum { CROSSED = 1 << 4 };
 
 _Static_assert((2 * RADIUS + 1) * (2 * RADIUS + 1) - 1 <= REGRESSION_MOST, "pixels around");
 
-// Surfaces are alike if no channel of albedo or normal, nor alpha, differs by more than this, and
-// the depth not by more than this fraction. Where a time limit leaves too little time for all
-// edges, they differ more before they are corrected, up to ALIKE_MOST, at which half of them are
-// left.
-static const float EDGE_ALIKE = 0.1f, ALIKE_MOST = 0.8f;
 // Pixels of a regression count by a Gaussian of their distance, of this standard deviation: light
 // near other edges follows surfaces in another way.
 static const float NEAR_DEVIATION = 1.5f;
@@ -42,26 +33,6 @@ static const float NEAR_DEVIATION = 1.5f;
 static const float EDGE_NONE = 1e-4f;
 // The light of a pixel that goes at most, so that rounding makes none negative.
 static const float ALMOST_ALL = 1.0f - 1e-5f;
-// Fraction of a time limit that edges may take, and half more with the fewest rays. It is planned
-// again when there are so many times the samples.
-static const double EDGES_FRACTION = 0.1, PLAN_AGAIN = 2.0;
-
-// What is added to the means of a pixel.
-struct pixel_change {
-    rgb light[REGRESSION_LAYERS];
-    struct shade_surface surface;  // the first one
-};
-_Static_assert(sizeof(struct pixel_change) + sizeof(uint32_t) + 1 <= RENDER_EDGES_BYTES, "memory");
-
-struct surface_edges {
-    struct render *r;
-    uint8_t *differs;  // of each pixel: a bit for each neighbour in directions FORWARD, and CROSSED
-    struct pixel_list list;
-    struct pixel_change *change;
-    int ray_shift;  // the numbers of rays are divided by 1 << ray_shift
-    float alike;    // by how much surfaces differ at most if there is no edge between them
-};
-
 // ---- Where edges are ----------------------------------------------------------------------------
 
 static struct shade_surface scale_surface(const struct shade_surface *s, float scale) {
@@ -94,8 +65,7 @@ static bool alike(const struct shade_surface *a, const struct shade_surface *b, 
            fabsf(a->depth - b->depth) <= most * maxf(a->depth, b->depth);
 }
 
-// Each pair of neighbours is in one of these directions.
-enum { FORWARDS = 4 };
+enum { FORWARDS = 4 };  // directions in which each pair of neighbours is
 static const int FORWARD[FORWARDS][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
 
 static bool in_image(const struct render_image *image, int x, int y) {
@@ -206,7 +176,7 @@ static void read_neighbours(const struct render_image *image, size_t at, struct 
 
 // The number of rays of a pixel with so many samples, a power of two, so that they are distributed
 // well.
-static uint32_t count_edge_rays(const struct surface_edges *e, double samples) {
+uint32_t render_edge_rays(const struct surface_edges *e, double samples) {
     const double most = fmax(RAYS_PER_SAMPLE * samples, e->r->options.edge_rays);
     uint32_t rays = 1;
     while (rays < fmin(most, RAYS_MOST)) rays *= 2;
@@ -237,7 +207,7 @@ static struct pixel_surfaces trace_surfaces(const struct surface_edges *e, size_
     const struct render_image *image = e->r->image;
     const size_t width = (size_t)image->width;
     const struct shade *shade = &e->r->second_pass.shade;
-    const uint32_t rays = count_edge_rays(e, image->pixel[at].samples);
+    const uint32_t rays = render_edge_rays(e, image->pixel[at].samples);
     struct pixel_surfaces begin = {0}, sum = {0};
     float weights = 0.0f;
     for (uint32_t k = 0; k < rays; k++) {
@@ -337,7 +307,7 @@ static void change_light(const struct surface_edges *e, size_t at, const struct 
 static void change_edge(const struct surface_edges *e, size_t at, struct pixel_change *change) {
     const struct render_image *image = e->r->image;
     const struct image_pixel *pixel = &image->pixel[at];
-    const uint32_t samples = pixel->samples, rays = count_edge_rays(e, samples);
+    const uint32_t samples = pixel->samples, rays = render_edge_rays(e, samples);
     const struct pixel_surfaces met = {mean_first(pixel), mean_shown(image, at)},
                                 found = trace_surfaces(e, at);
     struct regression g;
@@ -351,7 +321,7 @@ static void change_edge(const struct surface_edges *e, size_t at, struct pixel_c
     change_light(e, at, &g, &met.shown, &shown, change);
 }
 
-static void change_edges(void *ctx, size_t begin, size_t end, int worker) {
+void render_edges_change(void *ctx, size_t begin, size_t end, int worker) {
     const struct surface_edges *e = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) change_edge(e, e->list.pixel[i], &e->change[i]);
@@ -384,21 +354,19 @@ bool render_edges_on(const satin_options *o) {
 
 // ---- The image ----------------------------------------------------------------------------------
 
-static void edges_destroy(struct surface_edges *e) {
+void render_edges_destroy(struct surface_edges *e) {
     render_pixels_destroy(&e->list);
     free(e->differs);
     free(e->change);
 }
 
-static void find_edges(struct surface_edges *e) {
+void render_edges_find(struct surface_edges *e) {
     const size_t pixels = render_pixel_count(e->r->image);
     parallel_for_all(e->r->pool, pixels, COMPARE_CHUNK, compare_neighbours, e);
     render_pixels_find(&e->list, e->r, is_edge, e);
 }
 
-// Finds the edges of the image. False if it is not to have any and, with *failed, if there is no
-// memory.
-static bool edges_make(struct surface_edges *e, struct render *r, float alike, bool *failed) {
+bool render_edges_make(struct surface_edges *e, struct render *r, float alike, bool *failed) {
     const size_t pixels = render_pixel_count(r->image);
     *e = (struct surface_edges){.r = r, .alike = alike};
     *failed = false;
@@ -407,82 +375,36 @@ static bool edges_make(struct surface_edges *e, struct render *r, float alike, b
     e->differs = array_new_unset(pixels, sizeof *e->differs);
     *failed = !e->differs || !render_pixels_make(&e->list, r->image);
     if (!*failed) {
-        find_edges(e);
+        render_edges_find(e);
         e->change = array_new(e->list.count, sizeof *e->change);
         *failed = !e->change;
     }
-    if (*failed) edges_destroy(e);
+    if (*failed) render_edges_destroy(e);
     return !*failed;
 }
 
-static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
-    const struct surface_edges *e = ctx;
-    const size_t step = e->list.count / EDGES_TIMED + 1;
-    for (size_t i = begin; i < end; i++) change_edges(ctx, i * step, i * step + 1, worker);
-}
-
-// The time that all edges take, measured at some, whose changes are not applied.
-static double edges_seconds(struct surface_edges *e) {
-    const size_t step = e->list.count / EDGES_TIMED + 1, timed = e->list.count / step;
-    const double before = parallel_loop_seconds(e->r->pool);
-    parallel_for_all(e->r->pool, timed, EDGES_CHUNK / 8, time_edges, e);
-    return render_loop_seconds(e->r, before) * (double)step;
-}
-
-// The rays of all edges when their pixels have `growth` times the samples.
-static double sum_edge_rays(const struct surface_edges *e, double growth) {
-    double sum = 0.0;
-    for (size_t i = 0; i < e->list.count; i++) {
-        const double samples = (double)e->r->image->pixel[e->list.pixel[i]].samples;
-        sum += (double)count_edge_rays(e, growth * samples);
-    }
-    return sum;
-}
-
-void render_edges_plan(struct render *r) {
-    struct render_image *image = r->image;
-    struct surface_edges e;
-    bool failed;
-    if (!(r->options.time > 0.0) || (double)image->taken < PLAN_AGAIN * image->edges_planned)
-        return;
-    image->edges_fit = false;
-    image->edge_seconds = 0.0;
-    image->edges_planned = image->taken;
-    if (!edges_make(&e, r, EDGE_ALIKE, &failed)) return;
-    // Up to twice as many samples will be there at the next plan, or at the end.
-    const double more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
-                 later = fmin(1.0 + more / (double)image->taken, PLAN_AGAIN),
-                 growth = sum_edge_rays(&e, later) / fmax(sum_edge_rays(&e, 1.0), 1.0),
-                 most = EDGES_FRACTION * r->options.time, left = render_budget_left(r);
-    double seconds = growth * edges_seconds(&e);
-    while (seconds > fmin(most, left) && e.ray_shift < RAY_SHIFT_MOST) {
-        e.ray_shift++;
-        seconds = growth * edges_seconds(&e);
-    }
-    while (seconds > fmin(1.5 * most, left) && e.alike < ALIKE_MOST) {
-        e.alike *= 2.0f;
-        find_edges(&e);
-        seconds = growth * edges_seconds(&e);
-    }
-    if (seconds <= fmin(1.5 * most, left)) {
-        image->edges_fit = true;
-        image->edge_alike = e.alike;
-        image->edge_ray_shift = e.ray_shift;
-        image->edge_seconds = seconds;
-    }
-    edges_destroy(&e);
+// Keeps a fraction of the edges, evenly.
+static void thin_edges(struct pixel_list *list, double fraction) {
+    size_t kept = 0;
+    for (size_t i = 0; i < list->count; i++)
+        if (floor(fraction * (double)(i + 1)) > floor(fraction * (double)i))
+            list->pixel[kept++] = list->pixel[i];
+    list->count = kept;
 }
 
 bool render_edges(struct render *r) {
+    const bool timed = r->options.time > 0.0;
+    const double fraction = render_edges_fraction(r);
     struct surface_edges e;
     bool failed;
-    if (r->options.time > 0.0 && !r->image->edges_fit) return true;
-    const float alike = r->options.time > 0.0 ? r->image->edge_alike : EDGE_ALIKE;
-    if (!edges_make(&e, r, alike, &failed)) return !failed;
-    if (r->options.time > 0.0) e.ray_shift = r->image->edge_ray_shift;
-    parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, change_edges, &e);
+    if (!(fraction > 0.0)) return true;
+    if (!render_edges_make(&e, r, timed ? r->image->edge_alike : EDGE_ALIKE, &failed))
+        return !failed;
+    if (timed) e.ray_shift = r->image->edge_ray_shift;
+    if (fraction < 1.0) thin_edges(&e.list, fraction);
+    parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, render_edges_change, &e);
     apply_changes(&e);
     stats_set(&r->stats, "image.edge_pixels", (double)e.list.count);
-    edges_destroy(&e);
+    render_edges_destroy(&e);
     return true;
 }

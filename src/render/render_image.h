@@ -170,7 +170,7 @@ struct render_image {
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored
-    bool edges_fit;               // whether a time limit leaves time for edges
+    double edges_all;             // seconds of all edges as a time limit allows them; 0: not known
     int edge_ray_shift;           // their numbers of rays are divided by 1 << this for it
     float edge_alike;             // how much surfaces differ at most where there is none, for it
     double edge_seconds;          // that they will take, or are expected to before all samples
@@ -287,7 +287,7 @@ double render_noise_pixel_seconds(void);
 // Filters the image, if each pixel has a sample and there is the time. False if there is no memory.
 bool render_noise_filter(struct render *r);
 
-// ---- Edges (render_edges.c)
+// ---- Edges (render_edges.c, render_edges_plan.c)
 
 // Whether an image with these options has rays at edges.
 bool render_edges_on(const satin_options *options);

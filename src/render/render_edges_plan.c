@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which edges of surfaces a time limit leaves time for, and by how many rays. The constants are
+// measured in docs/experiments/edges.md.
+#include <math.h>
+
+#include "render/render_edges.h"
+
+enum { EDGES_TIMED = 256 };  // edges that show how long one takes
+
+// Where there is too little time for all edges, surfaces differ more before they are corrected, up
+// to this, at which half of them are left. Where that is too much, too, some edges are corrected.
+static const float ALIKE_MOST = 0.8f;
+// Fractions of a time limit that edges may take, and with the fewest rays. It is planned again when
+// there are so many times the samples.
+static const double EDGES_FRACTION = 0.1, EDGES_LONGEST = 0.15, PLAN_AGAIN = 2.0;
+// With a smaller fraction of the edges there are none.
+static const double EDGES_LEAST = 0.1;
+
+static size_t timed_step(const struct surface_edges *e) { return e->list.count / EDGES_TIMED + 1; }
+
+static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
+    const size_t step = timed_step(ctx);
+    for (size_t i = begin; i < end; i++) render_edges_change(ctx, i * step, i * step + 1, worker);
+}
+
+// The time of an edge: of its regression, and of each of its rays.
+struct surface_seconds {
+    double fixed, ray;
+};
+
+// The mean number of rays of an edge when its pixel has `growth` times the samples.
+static double mean_edge_rays(const struct surface_edges *e, double growth) {
+    double sum = 0.0;
+    for (size_t i = 0; i < e->list.count; i++) {
+        const double samples = (double)e->r->image->pixel[e->list.pixel[i]].samples;
+        sum += (double)render_edge_rays(e, growth * samples);
+    }
+    return sum / (double)e->list.count;
+}
+
+// Measures some edges, whose changes are not applied, with the fewest rays and with all.
+static struct surface_seconds measure_edges(struct surface_edges *e) {
+    const size_t timed = (e->list.count - 1) / timed_step(e) + 1;
+    double seconds[2], rays[2];
+    for (int all = 0; all < 2; all++) {
+        const double before = parallel_loop_seconds(e->r->pool);
+        e->ray_shift = all ? 0 : RAY_SHIFT_MOST;
+        parallel_for_all(e->r->pool, timed, EDGES_CHUNK / 8, time_edges, e);
+        seconds[all] = render_loop_seconds(e->r, before) / (double)timed;
+        rays[all] = mean_edge_rays(e, 1.0);
+    }
+    const double more = rays[1] - rays[0],
+                 ray = more > 0.0 ? fmax(seconds[1] - seconds[0], 0.0) / more : 0.0;
+    return (struct surface_seconds){fmax(seconds[1] - ray * rays[1], 0.0), ray};
+}
+
+static double edges_seconds(const struct surface_edges *e, struct surface_seconds time,
+                            double growth) {
+    if (!e->list.count) return 0.0;
+    return (double)e->list.count * (time.fixed + time.ray * mean_edge_rays(e, growth));
+}
+
+// The time that a limit leaves to edges.
+static double seconds_for_edges(const struct surface_edges *e, double fraction) {
+    return fmin(fraction * e->r->options.time, render_budget_left(e->r));
+}
+
+// Lets surfaces differ so much before there is an edge that the edges fit, if that is enough.
+static double leave_out_alike(struct surface_edges *e, struct surface_seconds time, double growth) {
+    double seconds = edges_seconds(e, time, growth);
+    while (seconds > seconds_for_edges(e, EDGES_LONGEST) && e->alike < ALIKE_MOST) {
+        e->alike *= 2.0f;
+        render_edges_find(e);
+        seconds = edges_seconds(e, time, growth);
+    }
+    return seconds;
+}
+
+void render_edges_plan(struct render *r) {
+    struct render_image *image = r->image;
+    struct surface_edges e;
+    bool failed;
+    if (!(r->options.time > 0.0) || (double)image->taken < PLAN_AGAIN * image->edges_planned)
+        return;
+    image->edges_all = 0.0;
+    image->edge_seconds = 0.0;
+    image->edges_planned = image->taken;
+    if (!render_edges_make(&e, r, EDGE_ALIKE, &failed)) return;
+    // Up to twice as many samples will be there at the next plan, or at the end.
+    const double more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
+                 growth = fmin(1.0 + more / (double)image->taken, PLAN_AGAIN);
+    const struct surface_seconds time =
+        e.list.count ? measure_edges(&e) : (struct surface_seconds){0};
+    while (edges_seconds(&e, time, growth) > seconds_for_edges(&e, EDGES_FRACTION) &&
+           e.ray_shift < RAY_SHIFT_MOST)
+        e.ray_shift++;
+    const double seconds = leave_out_alike(&e, time, growth),
+                 most = fmax(seconds_for_edges(&e, EDGES_LONGEST), 0.0);
+    image->edges_all = seconds;
+    image->edge_alike = e.alike;
+    image->edge_ray_shift = e.ray_shift;
+    image->edge_seconds = most < EDGES_LEAST * seconds ? 0.0 : fmin(seconds, most);
+    render_edges_destroy(&e);
+}
+
+double render_edges_fraction(const struct render *r) {
+    const double all = r->image->edges_all, left = render_budget_for_edges(r);
+    if (!(r->options.time > 0.0)) return 1.0;
+    return all > 0.0 && left > EDGES_LEAST * all ? fmin(left / all, 1.0) : 0.0;
+}
