@@ -5,7 +5,7 @@
 #ifndef BASE_EXRFILE_H
 #define BASE_EXRFILE_H
 
-#include <openexr.h>
+#include <OpenEXR/openexr.h>
 #include <stdbool.h>
 #include <stdint.h>
 
