@@ -52,6 +52,11 @@ satin_status exrfile_no_memory(struct exrfile *file) {
     return SATIN_ERROR_MEMORY;
 }
 
+static satin_status exr_other(struct exrfile *file, const char *problem) {
+    file->other = true;
+    return exr_problem(file, "", problem);
+}
+
 static satin_status exr_problem_code(struct exrfile *file, const char *what, exr_result_t code) {
     if (code == EXR_ERR_OUT_OF_MEMORY || file->no_memory) return exrfile_no_memory(file);
     return exr_problem(file, what, exr_get_default_error_message(code));
@@ -60,7 +65,7 @@ static satin_status exr_problem_code(struct exrfile *file, const char *what, exr
 static satin_status open_header(struct exrfile *file, const char *name) {
     static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
     if (file->size < sizeof magic || memcmp(file->data, magic, sizeof magic) != 0)
-        return exr_problem(file, "", "it is not an OpenEXR file");
+        return exr_other(file, "it is not an OpenEXR file");
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = note_error;
     init.user_data = file;
@@ -119,7 +124,8 @@ satin_status exrfile_open(struct exrfile *file, const char *name, const void *da
     if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(file->exr, 0, &file->window);
     if (code != EXR_ERR_SUCCESS) return exr_problem_code(file, "invalid OpenEXR header: ", code);
     const char *why = unsupported(storage, compression, file->channels);
-    if (!why) why = read_size(file);
+    if (why) return exr_other(file, why);
+    why = read_size(file);
     if (why) return exr_problem(file, "", why);
     file->tiled = storage == EXR_STORAGE_TILED;
     return SATIN_OK;

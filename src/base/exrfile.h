@@ -18,6 +18,7 @@ struct exrfile {
     int width, height;  // of the window
     bool tiled;
     char problem[160];  // what a function that failed reports, one line
+    bool other;         // that is: it is another format, or a kind that is not supported
     // Used by the functions below.
     const unsigned char *data;
     uint64_t size;

@@ -117,8 +117,10 @@ const struct image_reader load_image_exr = {open_exr, read_exr, close_exr};
 int load_image_is_exr(const struct image_data *file) {
     struct exrfile exr;
     struct value_channels from;
-    const bool known = exrfile_open(&exr, file->path, file->data, file->size) == SATIN_OK &&
-                       find_channels(exr.channels, &from) && !states_encoding(&exr);
+    // A damaged file is refused here: OpenImageIO would believe what it states, and take gigabytes.
+    const bool known = exrfile_open(&exr, file->path, file->data, file->size) == SATIN_OK
+                           ? find_channels(exr.channels, &from) && !states_encoding(&exr)
+                           : !exr.other;
     exrfile_close(&exr);
     return known;
 }

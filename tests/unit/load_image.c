@@ -200,7 +200,8 @@ static void damaged_exr_files_are_refused(void **state) {
     cut_file("whole.exr", (size_t)whole.st_size - 8, "short.exr");
     load_image_refuse("short.exr", "scene.xml:3:7: cannot read image 'short.exr': invalid pixels");
     cut_file("whole.exr", 40, "header.exr");
-    load_image_refuse("header.exr", "scene.xml:3:7: cannot read image 'header.exr'");
+    load_image_refuse("header.exr",
+                      "scene.xml:3:7: cannot read image 'header.exr': invalid OpenEXR header");
 }
 
 static void wrong_image_files_are_refused(void **state) {
