@@ -66,8 +66,7 @@ static void print_shapes(const struct satin_scene *scene) {
 
 static double megabytes(const struct image *image, int count) {
     double sum = 0.0;
-    for (int i = 0; i < count; i++)
-        sum += (double)image[i].width * image[i].height * image[i].channels * sizeof(float);
+    for (int i = 0; i < count; i++) sum += scene_image_bytes(&image[i]);
     return sum * 1e-6;
 }
 

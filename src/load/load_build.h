@@ -122,15 +122,16 @@ struct hair_request {
 satin_status load_hair(const struct load_source *source, const struct hair_request *request,
                        struct curves *out);
 
-// Reads an image by libpng or OpenImageIO to linear floats with 1 or 3 channels, without alpha.
-// Unless `raw`, 8- and 16-bit data that is sRGB or untagged is converted to linear.
+// Reads an image to linear floats with 1 or 3 channels, without alpha. Unless `raw`, 8- and 16-bit
+// data that is sRGB or untagged is converted to linear.
 // One that does not fit into the limit is not read but replaced by a small one.
 satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
                         struct image **out);
-// Likewise, but reads a single channel: 0 to 2 of the colours, of which a grey image has one, or
-// LOAD_IMAGE_ALPHA, which is never converted. SATIN_ERROR_INPUT if the file has no alpha.
-enum { LOAD_IMAGE_ALPHA = 3 };
-satin_status load_image_channel(const struct load_source *source, struct load_images *images,
+// Likewise, but one of 8 bits stays as bytes; and if `channel` is not LOAD_IMAGE_ALL, reads a
+// single channel: 0 to 2 of the colours, of which a grey image has one, or LOAD_IMAGE_ALPHA, which
+// is never converted. SATIN_ERROR_INPUT if the file has no alpha.
+enum { LOAD_IMAGE_ALL = -1, LOAD_IMAGE_ALPHA = 3 };
+satin_status load_image_texture(const struct load_source *source, struct load_images *images,
                                 bool raw, int channel, struct image **out);
 // Reads an image of heights as load_image does. All values must be finite, but may be negative, and
 // the size is that of the file. The texels are an array alone in the arena. *module is set to true
@@ -147,10 +148,10 @@ bool load_image_coarser(struct arena *arena, const struct image *from, bool envi
 
 // ---- load_image_limit.c: images that become coarser where memory is limited
 
-// Finds whether an image of so many values can be read, which before it becomes coarser is in
-// memory at its full size. If not, that is noted, and no render can begin. False if there is no
-// memory.
-bool load_images_admit(struct load_images *images, double values, bool *admitted);
+// Finds whether an image of so many values of `size` bytes can be read, which before it becomes
+// coarser is in memory at its full size. If not, that is noted, and no render can begin. False if
+// there is no memory.
+bool load_images_admit(struct load_images *images, double values, size_t size, bool *admitted);
 // Keeps an image with its levels, which stay where they are while it becomes coarser: the largest
 // images are replaced by their copies until all fit. False if there is no memory.
 bool load_images_keep(struct load_images *images, struct image *image, struct image *level,

@@ -3,6 +3,7 @@
 // libjpeg, OpenEXR files by OpenEXR, all others by the module on OpenImageIO, which is found and
 // opened here.
 #include <dlfcn.h>
+#include <limits.h>
 #include <stdlib.h>
 
 #include "base/library.h"
@@ -36,35 +37,20 @@ static const struct image_reader *open_module(struct log log, struct log_place p
 
 // ---- Texels -------------------------------------------------------------------------------------
 
+enum { BYTE_VALUES = UCHAR_MAX + 1 };
+
 // The largest texel, such that sums over all texels are finite.
 #define TEXEL_LIMIT 1e25f
 
-// Values of 8 bits that have been decoded: an image has millions of texels, but few values.
-struct decoded_bytes {
-    float from[256], to[256];
-};
-
-static float decode_value(struct decoded_bytes *known, float x) {
-    if (!(x >= 0.0f && x <= 1.0f)) return load_srgb_to_linear(x);
-    const int i = (int)(x * 255.0f + 0.5f);
-    if (known->from[i] != x) {
-        known->from[i] = x;
-        known->to[i] = load_srgb_to_linear(x);
-    }
-    return known->to[i];
-}
-
 static void decode_values(float *texel, size_t count) {
-    struct decoded_bytes known = {{0.0f}, {0.0f}};
-    for (size_t i = 0; i < count; i++) texel[i] = decode_value(&known, texel[i]);
+    for (size_t i = 0; i < count; i++) texel[i] = load_srgb_to_linear(texel[i]);
 }
 
 static bool is_texel(float x) { return x >= 0.0f && x < TEXEL_LIMIT; }
 
-static void finish_texels(const struct load_source *source, float *texel, size_t count,
-                          bool decode) {
+// Sets texels that are no light or reflectance to 0.
+static void drop_wrong_texels(const struct load_source *source, float *texel, size_t count) {
     size_t bad = 0;
-    if (decode) decode_values(texel, count);
     for (size_t i = 0; i < count; i++) bad += !is_texel(texel[i]);
     if (!bad) return;
     for (size_t i = 0; i < count; i++)
@@ -74,11 +60,9 @@ static void finish_texels(const struct load_source *source, float *texel, size_t
                 bad, (double)TEXEL_LIMIT);
 }
 
-// Decodes heights and checks that they are finite.
-static satin_status finish_heights(const struct load_source *source, const struct image *image,
-                                   float *texel, bool decode) {
+static satin_status check_read_heights(const struct load_source *source, const struct image *image,
+                                       const float *texel) {
     const size_t row = (size_t)image->width * (size_t)image->channels;
-    if (decode) decode_values(texel, row * (size_t)image->height);
     for (size_t i = 0; i < row * (size_t)image->height; i++) {
         if (isfinite(texel[i])) continue;
         log_error_at(source->log, source->place,
@@ -119,44 +103,93 @@ static satin_status check_size(const struct load_source *source, const struct op
 struct texel_kind {
     bool raw;      // plain numbers, which are not decoded from sRGB
     bool heights;  // numbers of any sign; else light or reflectances
-    bool single;   // `channel` alone, see load_image_channel
-    int channel;
+    bool bytes;    // bytes stay bytes
+    int channel;   // LOAD_IMAGE_ALL, or the only one, see load_image_texture
 };
 
+static size_t value_size(const struct opened_image *opened, struct texel_kind kind) {
+    return opened->bytes && kind.bytes ? 1 : sizeof(float);
+}
+
 // Keeps one channel of what was read. False if there is no alpha.
-static bool keep_channel(struct opened_image *opened, int channel, float *texel) {
+static bool keep_channel(struct opened_image *opened, int channel, void *values) {
     const int colors = opened->channels < 3 ? 1 : 3;
     const bool alpha = channel == LOAD_IMAGE_ALPHA;
     if (alpha && opened->channels == colors) return false;
     const size_t from = alpha ? (size_t)colors : colors == 1 ? 0 : (size_t)channel;
     const size_t count = (size_t)opened->width * (size_t)opened->height;
-    for (size_t i = 0; i < count; i++) texel[i] = texel[i * (size_t)opened->channels + from];
+    const size_t channels = (size_t)opened->channels;
+    unsigned char *byte = values;
+    float *texel = values;
+    for (size_t i = 0; i < count; i++)
+        if (opened->bytes)
+            byte[i] = byte[i * channels + from];
+        else
+            texel[i] = texel[i * channels + from];
     opened->channels = 1;
     return true;
+}
+
+// What each byte stands for.
+static void byte_values(bool decode, float value[BYTE_VALUES]) {
+    for (int b = 0; b < BYTE_VALUES; b++) {
+        const float x = (float)b * (1.0f / UCHAR_MAX);
+        value[b] = decode ? load_srgb_to_linear(x) : x;
+    }
+}
+
+// Makes floats of bytes, which lie at the end of their array: a texel overwrites only the byte from
+// which it is made and bytes before that.
+static void spread_bytes(const float value[BYTE_VALUES], size_t count, float *texel) {
+    const unsigned char *byte = (unsigned char *)texel + count * (sizeof *texel - 1);
+    for (size_t i = 0; i < count; i++) texel[i] = value[byte[i]];
+}
+
+// Reads all values into `values`, of value_size each, with linear texels as bytes or floats.
+static satin_status read_image_values(const struct load_source *source,
+                                      const struct image_reader *reader,
+                                      struct opened_image *opened, struct texel_kind kind,
+                                      void *values, float byte_value[BYTE_VALUES]) {
+    char error[512] = "";
+    const size_t pixels = (size_t)opened->width * (size_t)opened->height;
+    const bool spread = opened->bytes && !kind.bytes, alpha = kind.channel == LOAD_IMAGE_ALPHA;
+    const bool decode = !kind.raw && !alpha && opened->srgb;
+    const size_t count = pixels * (size_t)opened->channels;
+    char *to = (char *)values + (spread ? count * (sizeof(float) - 1) : 0);
+    const enum reader_result result = reader->read(opened, to, error, sizeof error);
+    if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
+    if (kind.channel != LOAD_IMAGE_ALL && !keep_channel(opened, kind.channel, values))
+        return image_error(source, "it has no alpha channel", false);
+    if (opened->bytes) byte_values(decode, byte_value);
+    if (spread) spread_bytes(byte_value, count, values);
+    if (!opened->bytes && decode) decode_values(values, pixels * (size_t)opened->channels);
+    return SATIN_OK;
 }
 
 static satin_status read_texels(const struct load_source *source, const struct image_reader *reader,
                                 struct opened_image *opened, struct texel_kind kind,
                                 struct image **out) {
-    size_t pixels = (size_t)opened->width * (size_t)opened->height;
-    size_t count = pixels * (size_t)opened->channels;
-    float *texel = arena_array_alone(source->arena, count, sizeof *texel);
+    const size_t pixels = (size_t)opened->width * (size_t)opened->height;
+    void *values = arena_array_alone(source->arena, pixels * (size_t)opened->channels,
+                                     value_size(opened, kind));
     struct image *image = arena_alloc(source->arena, sizeof *image);
-    if (!texel || !image)
+    float *byte_value = arena_array(source->arena, BYTE_VALUES, sizeof *byte_value);
+    if (!values || !image || !byte_value)
         return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
                         source->path);
-    char error[512] = "";
-    const enum reader_result result = reader->read(opened, texel, error, sizeof error);
-    if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
-    if (kind.single && !keep_channel(opened, kind.channel, texel))
-        return image_error(source, "it has no alpha channel", false);
-    const bool alpha = kind.single && kind.channel == LOAD_IMAGE_ALPHA;
-    const bool decode = !kind.raw && !alpha && opened->srgb;
-    count = pixels * (size_t)opened->channels;
-    *image = scene_image_make(opened->width, opened->height, opened->channels, texel);
+    satin_status status = read_image_values(source, reader, opened, kind, values, byte_value);
+    if (status != SATIN_OK) return status;
+    const bool bytes = opened->bytes && kind.bytes;
+    *image =
+        scene_image_make(opened->width, opened->height, opened->channels, bytes ? NULL : values);
     *out = image;
-    if (kind.heights) return finish_heights(source, image, texel, decode);
-    finish_texels(source, texel, count, decode);
+    if (bytes) {
+        image->byte = values;
+        image->byte_value = byte_value;
+        return SATIN_OK;
+    }
+    if (kind.heights) return check_read_heights(source, image, values);
+    drop_wrong_texels(source, values, pixels * (size_t)opened->channels);
     return SATIN_OK;
 }
 
@@ -185,12 +218,14 @@ static satin_status read_image(const struct load_source *source, struct load_ima
     satin_status status = check_size(source, &opened, file->size);
     const double values = (double)opened.width * opened.height * opened.channels;
     bool admitted = !images;
-    if (status == SATIN_OK && images && !load_images_admit(images, values, &admitted))
+    if (status == SATIN_OK && images &&
+        !load_images_admit(images, values, value_size(&opened, kind), &admitted))
         status = log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
                           source->path);
     if (status == SATIN_OK)
-        status = admitted ? read_texels(source, reader, &opened, kind, out)
-                          : leave_out(source, kind.single ? 1 : opened.channels, out);
+        status = admitted
+                     ? read_texels(source, reader, &opened, kind, out)
+                     : leave_out(source, kind.channel != LOAD_IMAGE_ALL ? 1 : opened.channels, out);
     reader->close(&opened);
     return status;
 }
@@ -201,8 +236,7 @@ static satin_status load_any_image(const struct load_source *source, struct load
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    const bool alpha = kind.single && kind.channel == LOAD_IMAGE_ALPHA;
-    struct image_data file = {source->path, data, size, alpha};
+    struct image_data file = {source->path, data, size, kind.channel == LOAD_IMAGE_ALPHA};
     const struct image_reader *own = load_image_is_png(&file)    ? &load_image_png
                                      : load_image_is_jpeg(&file) ? &load_image_jpeg
                                      : load_image_is_exr(&file)  ? &load_image_exr
@@ -222,18 +256,18 @@ static satin_status load_any_image(const struct load_source *source, struct load
 
 satin_status load_image(const struct load_source *source, struct load_images *images, bool raw,
                         struct image **out) {
-    const struct texel_kind kind = {.raw = raw};
+    const struct texel_kind kind = {.raw = raw, .channel = LOAD_IMAGE_ALL};
     return load_any_image(source, images, kind, &images->module, out);
 }
 
-satin_status load_image_channel(const struct load_source *source, struct load_images *images,
+satin_status load_image_texture(const struct load_source *source, struct load_images *images,
                                 bool raw, int channel, struct image **out) {
-    const struct texel_kind kind = {.raw = raw, .single = true, .channel = channel};
+    const struct texel_kind kind = {.raw = raw, .bytes = true, .channel = channel};
     return load_any_image(source, images, kind, &images->module, out);
 }
 
 satin_status load_image_heights(const struct load_source *source, bool raw, bool *module,
                                 struct image **out) {
-    const struct texel_kind kind = {.raw = raw, .heights = true};
+    const struct texel_kind kind = {.raw = raw, .heights = true, .channel = LOAD_IMAGE_ALL};
     return load_any_image(source, NULL, kind, module, out);
 }

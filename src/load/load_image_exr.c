@@ -88,14 +88,17 @@ static enum reader_result open_exr(const struct image_data *file, struct opened_
     }
     const int colors = input->from.colors;
     const bool alpha = file->alpha && input->from.of[colors] >= 0;
-    *out =
-        (struct opened_image){input, input->file.width, input->file.height, colors + alpha, false};
+    *out = (struct opened_image){.input = input,
+                                 .width = input->file.width,
+                                 .height = input->file.height,
+                                 .channels = colors + alpha};
     return READER_DONE;
 }
 
-static enum reader_result read_exr(struct opened_image *image, float *texel, char *error,
+static enum reader_result read_exr(struct opened_image *image, void *values, char *error,
                                    size_t size) {
     struct exr_image *input = image->input;
+    float *texel = values;
     const size_t channels = (size_t)image->channels;
     struct exrfile_channel *to = array_new((size_t)input->file.channels->num_channels, sizeof *to);
     if (!to) return exr_failure(&input->file, exrfile_no_memory(&input->file), error, size);

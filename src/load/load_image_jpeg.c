@@ -14,10 +14,7 @@
 
 #include "load/load_image_reader.h"
 
-enum {
-    SCANS_MOST = 256,  // a progressive file has some ten
-    JPEG_BLOCK = 256   // that are converted at once
-};
+enum { SCANS_MOST = 256 };  // a progressive file has some ten
 
 struct jpeg_input {
     struct jpeg_decompress_struct jpeg;
@@ -109,8 +106,12 @@ static enum reader_result open_jpeg(const struct image_data *file, struct opened
         free_jpeg(input);
         return READER_FAILED;
     }
-    *out = (struct opened_image){input, (int)input->jpeg.image_width, (int)input->jpeg.image_height,
-                                 input->jpeg.num_components == 1 ? 1 : 3, true};
+    *out = (struct opened_image){.input = input,
+                                 .width = (int)input->jpeg.image_width,
+                                 .height = (int)input->jpeg.image_height,
+                                 .channels = input->jpeg.num_components == 1 ? 1 : 3,
+                                 .bytes = true,
+                                 .srgb = true};
     return READER_DONE;
 }
 
@@ -127,28 +128,11 @@ static bool read_jpeg_rows(struct jpeg_input *input, unsigned char *rows, size_t
     return !input->damaged;
 }
 
-// Converts bytes, which may lie in the array from where they are not overwritten too early, as
-// below.
-static void convert_bytes(const unsigned char *from, size_t count, float *texel) {
-    unsigned char block[JPEG_BLOCK];
-    for (size_t i = 0; i < count; i += JPEG_BLOCK) {
-        const size_t n = count - i < JPEG_BLOCK ? count - i : JPEG_BLOCK;
-        memcpy(block, from + i, n);
-        for (size_t k = 0; k < n; k++) texel[i + k] = (float)block[k] * (1.0f / UCHAR_MAX);
-    }
-}
-
-static enum reader_result read_jpeg(struct opened_image *image, float *texel, char *error,
+static enum reader_result read_jpeg(struct opened_image *image, void *values, char *error,
                                     size_t size) {
     struct jpeg_input *input = image->input;
     const size_t row = (size_t)image->width * (size_t)image->channels;
-    const size_t count = row * (size_t)image->height;
-    // The bytes are read into the end of the array and are converted from its front: a texel
-    // overwrites only the byte from which it is made and bytes before that.
-    const unsigned char *from = (unsigned char *)texel + count * (sizeof *texel - 1);
-    if (!read_jpeg_rows(input, (unsigned char *)from, row)) return report_jpeg(input, error, size);
-    convert_bytes(from, count, texel);
-    return READER_DONE;
+    return read_jpeg_rows(input, values, row) ? READER_DONE : report_jpeg(input, error, size);
 }
 
 static void close_jpeg(struct opened_image *image) {

@@ -46,13 +46,12 @@ static struct texel_span environment_span(int row, int n, int m) {
     return s;
 }
 
-// Computes a texel of the copy.
-WIDE_INLINE void shrink_texel(const struct image *from, const struct texel_span *rows,
+// Computes a texel of the copy from rows of `width` texels.
+WIDE_INLINE void shrink_texel(const float *row, size_t width, const struct texel_span *rows,
                               const struct texel_span *columns, size_t channels, float *texel) {
     float sum[4] = {0.0f};
     for (int j = 0; j < rows->count; j++) {
-        const size_t first = (size_t)(rows->first + j) * (size_t)from->width;
-        const float *at = from->texel + (first + (size_t)columns->first) * channels;
+        const float *at = row + ((size_t)j * width + (size_t)columns->first) * channels;
         for (int i = 0; i < columns->count; i++)
             for (size_t c = 0; c < channels; c++)
                 sum[c] += rows->fraction[j] * columns->fraction[i] * *at++;
@@ -60,22 +59,35 @@ WIDE_INLINE void shrink_texel(const struct image *from, const struct texel_span 
     for (size_t c = 0; c < channels; c++) texel[c] = sum[c];
 }
 
-WIDE_INLINE void shrink_row(const struct image *from, const struct texel_span *rows,
+WIDE_INLINE void shrink_row(const float *row, size_t from_width, const struct texel_span *rows,
                             const struct texel_span *column, int width, size_t channels,
                             float *texel) {
     for (int x = 0; x < width; x++)
-        shrink_texel(from, rows, &column[x], channels, texel + (size_t)x * channels);
+        shrink_texel(row, from_width, rows, &column[x], channels, texel + (size_t)x * channels);
+}
+
+// The rows of a span as floats: those of the image, or those that its bytes stand for, which are
+// put into `buffer`.
+static const float *rows_of(const struct image *from, const struct texel_span *rows,
+                            float *buffer) {
+    const size_t row = (size_t)from->width * (size_t)from->channels;
+    const size_t first = (size_t)rows->first * row;
+    if (!from->byte) return from->texel + first;
+    for (size_t i = 0; i < (size_t)rows->count * row; i++)
+        buffer[i] = from->byte_value[from->byte[first + i]];
+    return buffer;
 }
 
 static void shrink_image(const struct image *from, const struct image *to, bool environment,
-                         const struct texel_span *column, float *texel) {
-    const size_t channels = (size_t)from->channels;
+                         const struct texel_span *column, float *buffer, float *texel) {
+    const size_t channels = (size_t)from->channels, width = (size_t)from->width;
     for (int y = 0; y < to->height; y++, texel += (size_t)to->width * channels) {
         const struct texel_span rows = environment ? environment_span(y, from->height, to->height)
                                                    : span_of(y, from->height, to->height);
+        const float *row = rows_of(from, &rows, buffer);
         // The numbers of channels that images have, as constants.
-        if (channels == 1) shrink_row(from, &rows, column, to->width, 1, texel);
-        if (channels == 3) shrink_row(from, &rows, column, to->width, 3, texel);
+        if (channels == 1) shrink_row(row, width, &rows, column, to->width, 1, texel);
+        if (channels == 3) shrink_row(row, width, &rows, column, to->width, 3, texel);
     }
 }
 
@@ -85,14 +97,18 @@ bool load_image_coarser(struct arena *arena, const struct image *from, bool envi
     const size_t texels = (size_t)width * (size_t)height;
     float *texel = arena_array_alone(arena, texels * (size_t)from->channels, sizeof *texel);
     struct texel_span *column = array_new_unset((size_t)width, sizeof *column);
-    if (!texel || !column) {
+    const size_t rows = from->byte ? SPAN_MOST * (size_t)from->width * (size_t)from->channels : 1;
+    float *buffer = array_new_unset(rows, sizeof *buffer);
+    if (!texel || !column || !buffer) {
         free(column);
+        free(buffer);
         return false;
     }
     for (int x = 0; x < width; x++) column[x] = span_of(x, from->width, width);
     const struct image to = scene_image_make(width, height, from->channels, texel);
-    shrink_image(from, &to, environment, column, texel);
+    shrink_image(from, &to, environment, column, buffer, texel);
     free(column);
+    free(buffer);
     *out = to;
     return true;
 }

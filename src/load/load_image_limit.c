@@ -23,13 +23,9 @@ static double limit_left(const struct load_images *images) {
     return fmax(images->memory - process_bytes(images->module), 0.0);
 }
 
-static double texel_bytes(const struct image *image) {
-    return (double)image->width * image->height * image->channels * sizeof *image->texel;
-}
-
 static double bytes_held(const struct load_held *held) {
-    double sum = texel_bytes(held->image);
-    for (int i = 0; i < held->levels - held->steps; i++) sum += texel_bytes(&held->level[i]);
+    double sum = scene_image_bytes(held->image);
+    for (int i = 0; i < held->levels - held->steps; i++) sum += scene_image_bytes(&held->level[i]);
     return sum;
 }
 
@@ -44,7 +40,7 @@ static struct load_held *largest(const struct load_images *images) {
     struct load_held *found = NULL;
     for (struct load_held *h = images->held; h < images->held + images->count; h++)
         if (h->image->width >= SIDE_LEAST && h->image->height >= SIDE_LEAST &&
-            (!found || texel_bytes(h->image) > texel_bytes(found->image)))
+            (!found || scene_image_bytes(h->image) > scene_image_bytes(found->image)))
             found = h;
     return found;
 }
@@ -52,14 +48,14 @@ static struct load_held *largest(const struct load_images *images) {
 // Replaces the image by its first level, and each level by the next. The last one, a single texel,
 // stays in the places behind it.
 static bool coarsen(struct arena *arena, struct load_held *held) {
-    const float *texel = held->image->texel;
+    const struct image finest = *held->image;
     if (!held->levels) {
         if (!load_image_coarser(arena, held->image, held->environment, held->image)) return false;
     } else {
         *held->image = held->level[0];
         for (int i = 0; i < held->levels - 1; i++) held->level[i] = held->level[i + 1];
     }
-    arena_drop(arena, texel);
+    arena_drop(arena, finest.byte ? (const void *)finest.byte : finest.texel);
     held->steps++;
     return true;
 }
@@ -75,8 +71,9 @@ static bool fit_images(struct load_images *images) {
     return true;
 }
 
-bool load_images_admit(struct load_images *images, double values, bool *admitted) {
-    const double bytes = 4.0 / 3.0 * sizeof(float) * values;
+bool load_images_admit(struct load_images *images, double values, size_t size, bool *admitted) {
+    // The copies are floats and have a third of the texels.
+    const double bytes = values * ((double)size + sizeof(float) / 3.0);
     // Half of a limit that leaves twice this is enough for all others.
     images->needed = fmax(images->needed, bytes + fmin(bytes, images->asked));
     images->asked += bytes;

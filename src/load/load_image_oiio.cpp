@@ -58,6 +58,7 @@ reader_result open(const struct image_data *file, struct opened_image *out, char
         out->height = spec.height;
         out->channels = spec.nchannels < 3 ? 1 : 3;
         if (file->alpha && spec.alpha_channel == out->channels) out->channels++;
+        out->bytes = spec.format == OIIO::TypeDesc::UINT8 && spec.channelformats.empty();
         out->srgb = is_srgb(spec);
         out->input = input.release();
         return READER_DONE;
@@ -68,23 +69,24 @@ reader_result open(const struct image_data *file, struct opened_image *out, char
 // images would be in memory twice, once as they are in the file.
 enum { BAND_ROWS = 256 };
 
-bool read_bands(OIIO::ImageInput &input, const struct opened_image &image, float *texel) {
+bool read_bands(OIIO::ImageInput &input, const struct opened_image &image, char *values) {
     const OIIO::ImageSpec spec = input.spec();
-    if (spec.tile_width > 0)
-        return input.read_image(0, 0, 0, image.channels, OIIO::TypeDesc::FLOAT, texel);
-    const size_t row = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels);
+    const auto type = image.bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT;
+    if (spec.tile_width > 0) return input.read_image(0, 0, 0, image.channels, type, values);
+    const size_t row = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels) *
+                       (image.bytes ? 1 : sizeof(float));
     bool done = true;
     for (int y = 0; y < image.height && done; y += BAND_ROWS)
-        done = input.read_scanlines(
-            0, 0, spec.y + y, spec.y + std::min(y + +BAND_ROWS, image.height), spec.z, 0,
-            image.channels, OIIO::TypeDesc::FLOAT, texel + static_cast<size_t>(y) * row);
+        done = input.read_scanlines(0, 0, spec.y + y,
+                                    spec.y + std::min(y + +BAND_ROWS, image.height), spec.z, 0,
+                                    image.channels, type, values + static_cast<size_t>(y) * row);
     return done;
 }
 
-reader_result read(struct opened_image *image, float *texel, char *error, size_t size) {
+reader_result read(struct opened_image *image, void *values, char *error, size_t size) {
     return guarded(error, size, [&] {
         auto *input = static_cast<OIIO::ImageInput *>(image->input);
-        bool done = read_bands(*input, *image, texel);
+        bool done = read_bands(*input, *image, static_cast<char *>(values));
         // Readers report truncated files and still claim success. But they also report JPEGs with a
         // few bytes too many, which are common and harmless.
         std::string complaint = input->geterror();

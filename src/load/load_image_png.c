@@ -126,8 +126,12 @@ static enum reader_result open_png(const struct image_data *file, struct opened_
         free_input(input);
         return result;
     }
-    *out = (struct opened_image){input, (int)input->width, (int)input->height, (int)input->channels,
-                                 is_encoded(input)};
+    *out = (struct opened_image){.input = input,
+                                 .width = (int)input->width,
+                                 .height = (int)input->height,
+                                 .channels = (int)input->channels,
+                                 .bytes = input->bits == 8,
+                                 .srgb = is_encoded(input)};
     return READER_DONE;
 }
 
@@ -146,18 +150,19 @@ static bool read_rows(struct png_input *input, unsigned char *rows, size_t row_b
     return true;
 }
 
-static enum reader_result read_png(struct opened_image *image, float *texel, char *error,
+static enum reader_result read_png(struct opened_image *image, void *values, char *error,
                                    size_t size) {
     struct png_input *input = image->input;
     const size_t row = input->width * input->channels, count = row * input->height;
-    const size_t bytes = (size_t)input->bits / 8;
-    // The packed values are read into the end of the array and are converted from its front. A
+    if (image->bytes)
+        return read_rows(input, values, row) ? READER_DONE : report(input, error, size);
+    // The 16-bit values are read into the end of the array and are converted from its front. A
     // texel overwrites only the value from which it is made and values before that.
-    const unsigned char *from = (unsigned char *)texel + count * (sizeof *texel - bytes);
-    if (!read_rows(input, (unsigned char *)from, row * bytes)) return report(input, error, size);
-    for (size_t i = 0; i < count; i++, from += bytes)
-        texel[i] = bytes == 1 ? (float)from[0] * (1.0f / UCHAR_MAX)
-                              : (float)(from[0] << 8 | from[1]) * (1.0f / USHRT_MAX);
+    float *texel = values;
+    const unsigned char *from = (unsigned char *)texel + count * (sizeof *texel - 2);
+    if (!read_rows(input, (unsigned char *)from, 2 * row)) return report(input, error, size);
+    for (size_t i = 0; i < count; i++, from += 2)
+        texel[i] = (float)(from[0] << 8 | from[1]) * (1.0f / USHRT_MAX);
     return READER_DONE;
 }
 

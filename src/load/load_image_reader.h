@@ -25,6 +25,7 @@ struct opened_image {
     void *input;  // of the reader
     int width, height;
     int channels;  // 1 or 3, and one more with alpha; further channels are not read
+    int bytes;     // whether values are bytes, which stand for 0 to 1; else floats
     int srgb;      // whether values are encoded by the transfer function of sRGB, or probably are
 };
 
@@ -36,9 +37,9 @@ struct image_reader {
     // Opens an image and reads its header, or fails with a message.
     enum reader_result (*open)(const struct image_data *file, struct opened_image *out, char *error,
                                size_t error_size);
-    // Reads width * height * channels floats, with integers scaled to [0, 1], or fails with a
-    // message.
-    enum reader_result (*read)(struct opened_image *image, float *texel, char *error,
+    // Reads width * height * channels bytes or floats, with integers scaled to [0, 1], or fails
+    // with a message.
+    enum reader_result (*read)(struct opened_image *image, void *values, char *error,
                                size_t error_size);
     void (*close)(struct opened_image *image);
 };

@@ -140,9 +140,8 @@ static rgb image_mean(const struct image *image) {
     double sum[3] = {0.0, 0.0, 0.0};
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
-            sum[c] +=
-                (double)image
-                    ->texel[i * (size_t)image->channels + (size_t)(image->channels == 3 ? c : 0)];
+            sum[c] += (double)scene_image_value(
+                image, i * (size_t)image->channels + (size_t)(image->channels == 3 ? c : 0));
     double scale = 1.0 / (double)count;
     return rgb_make((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
 }
@@ -152,7 +151,9 @@ static satin_status image_of(struct load_state *loader, const struct params *p,
     const bool as_is = load_param(p, "raw")->b;
     const struct param_value *only = load_param(p, "channel"), *name = load_param(p, "filename");
     const int alpha = LOAD_IMAGE_ALPHA;
-    const int channel = !only->given ? -1 : only->i > alpha ? only->i - alpha - 1 : only->i;
+    const int channel = !only->given      ? LOAD_IMAGE_ALL
+                        : only->i > alpha ? only->i - alpha - 1
+                                          : only->i;
     struct load_source source;
     satin_status status = load_file_source(loader, name, &source);
     if (status != SATIN_OK) return status;
@@ -171,9 +172,7 @@ static satin_status image_of(struct load_state *loader, const struct params *p,
     if (image.path && array_reserve(&items, &loader->image_capacity, loader->image_count + 1,
                                     sizeof *loader->image)) {
         loader->image = items;
-        status = channel < 0
-                     ? load_image(&source, &loader->images, as_is, &image.image)
-                     : load_image_channel(&source, &loader->images, as_is, channel, &image.image);
+        status = load_image_texture(&source, &loader->images, as_is, channel, &image.image);
         // Numbers and normals are not averaged.
         if (status == SATIN_OK &&
             ((!as_is &&

@@ -19,6 +19,7 @@
 #include "satin/scene.h"
 #include "scene/scene_film_filter.h"
 #include "scene/scene_hints.h"
+#include "scene/scene_image.h"
 #include "scene/scene_spectrum.h"
 
 // ---- Textures -----------------------------------------------------------------------------------
@@ -31,33 +32,6 @@ enum texture_kind {
     TEXTURE_ATTRIBUTE,
     TEXTURE_GRID,   // lines where u or v is an integer
     TEXTURE_SCALED  // check[0] times `value`
-};
-
-// An image of linear texels with 1 or 3 channels, owned by the scene's arena.
-struct image {
-    int width, height, channels;
-    const float *texel;  // row by row from the top
-    float side;          // square root of their number
-};
-static inline struct image scene_image_make(int width, int height, int channels,
-                                            const float *texel) {
-    return (struct image){width, height, channels, texel, sqrtf((float)width * (float)height)};
-}
-
-// An image that was read from a file, with smaller copies for lookups over a footprint.
-struct image_file {
-    const char *path;
-    struct image *image, *level;  // level: copies of half the size, a quarter, ...; NULL if raw
-    int levels, channel;          // channel: the only one that was read, or -1
-    bool raw;
-};
-
-// The memory of the images that were read from files.
-struct scene_images {
-    bool module;          // whether some were read by OpenImageIO
-    bool missing;         // whether some were not read, as they do not fit into the limit
-    double bytes, asked;  // as they are, and about as they would be without a limit
-    double needed;        // with which all can be read, beside the process
 };
 
 struct texture {

@@ -19,12 +19,17 @@ static int wrap(float i, int n, enum texture_wrap mode) {
     return odd ? n - 1 - inside : inside;
 }
 
+static rgb texel_color(const struct image *image, size_t i) {
+    const size_t at = i * (size_t)image->channels;
+    if (image->channels == 1) return rgb_grey(scene_image_value(image, at));
+    return rgb_make(scene_image_value(image, at), scene_image_value(image, at + 1),
+                    scene_image_value(image, at + 2));
+}
+
 // Where both x and y are outside, x decides.
 static rgb image_texel(const struct image *image, int x, int y) {
     if (x < 0 || y < 0) return rgb_grey((x < 0 ? x : y) == TEXEL_ONE ? 1.0f : 0.0f);
-    const float *t =
-        image->texel + ((size_t)y * (size_t)image->width + (size_t)x) * (size_t)image->channels;
-    return image->channels == 1 ? rgb_grey(t[0]) : rgb_make(t[0], t[1], t[2]);
+    return texel_color(image, (size_t)y * (size_t)image->width + (size_t)x);
 }
 
 // The four texels around (x, y), in texels from the centre of the first.
@@ -157,11 +162,6 @@ static void add_to_range(enum texture_wrap outside, float *lo, float *hi) {
     if (outside == TEXTURE_ONE) *lo = minf(*lo, 1.0f), *hi = maxf(*hi, 1.0f);
 }
 
-static float texel_luminance(const struct image *image, size_t i) {
-    const float *t = image->texel + i * (size_t)image->channels;
-    return rgb_luminance(image->channels == 1 ? rgb_grey(*t) : rgb_make(t[0], t[1], t[2]));
-}
-
 // Texels that do not wait for the range of each other.
 enum { RANGE_LANES = 8 };
 
@@ -176,11 +176,11 @@ static void bitmap_range(const struct texture *texture, float *lo, float *hi) {
     size_t at = 0;
     for (; at + RANGE_LANES <= count; at += RANGE_LANES)
         for (size_t k = 0; k < RANGE_LANES; k++) {
-            const float value = texel_luminance(image, at + k);
+            const float value = rgb_luminance(texel_color(image, at + k));
             least[k] = minf(least[k], value), most[k] = maxf(most[k], value);
         }
     for (; at < count; at++) {
-        const float value = texel_luminance(image, at);
+        const float value = rgb_luminance(texel_color(image, at));
         least[0] = minf(least[0], value), most[0] = maxf(most[0], value);
     }
     for (int k = 0; k < RANGE_LANES; k++) *lo = minf(*lo, least[k]), *hi = maxf(*hi, most[k]);

@@ -8,7 +8,8 @@
 static void check_texels(const struct image *image) {
     const size_t texels = (size_t)image->width * (size_t)image->height;
     for (size_t i = 0; i < texels * (size_t)image->channels; i++)
-        if (!(image->texel[i] >= 0.0f) || !isfinite(image->texel[i])) abort();
+        if (!(scene_image_value(image, i) >= 0.0f) || !isfinite(scene_image_value(image, i)))
+            abort();
 }
 
 // Makes the image coarser as often as it can be.
@@ -35,7 +36,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct image *image = NULL;
     const bool raw = size & 1;
     satin_status status = size & 2
-                              ? load_image_channel(&source, &images, raw, LOAD_IMAGE_ALPHA, &image)
+                              ? load_image_texture(&source, &images, raw, LOAD_IMAGE_ALPHA, &image)
                               : load_image(&source, &images, raw, &image);
     if (lines != (status != SATIN_OK) || (status == SATIN_OK) != (image != NULL)) abort();
     if (image) {

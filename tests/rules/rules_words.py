@@ -121,7 +121,7 @@ IDENTIFIERS = {
     "Level": ("levels?", {
         "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_l(?:evels|imit)"
                    r"|plugins_texture)"
-                   r"|render/render_(?:budget|records)|scene/scene(?:_texture)?\.)",
+                   r"|render/render_(?:budget|records)|scene/scene(?:_image|_texture)?\.)",
         "RENDER_LEVELS|cover_levels|record_level|level_pays":
             "src/render/render_(?:budget|records)",
         "load_image_levels": "src/load/load_(?:build|image_levels|plugins_texture)",
@@ -191,7 +191,7 @@ IN_TEXT = {
              r"|include/satin/options\.h", ""),
     "Level": ("levels?", r"src/cache/cache_tree|src/fill/fill_batch"
               r"|src/load/load_(?:image_l(?:evels|imit)|build|plugins_texture\.c)"
-              r"|src/scene/scene(?:_texture\.c|\.h)"
+              r"|src/scene/scene(?:_texture\.c|(?:_image)?\.h)"
               r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c",
               "recursive-levels"),
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),

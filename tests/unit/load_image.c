@@ -51,12 +51,13 @@ static void one_channel_is_read(void **state) {
                                          &c.hash};
             struct load_images images = {.arena = &c.arena};
             struct image *image;
-            assert_int_equal(load_image_channel(&source, &images, false, channel, &image),
+            assert_int_equal(load_image_texture(&source, &images, false, channel, &image),
                              SATIN_OK);
             assert_true(image->width == 3 && image->height == 2 && image->channels == 1);
             for (int i = 0; i < 6; i++) {
                 const double x = (k ? grey[2 * i + alpha] : pixel[4 * i + channel]) / 255.0;
-                assert_float_equal(image->texel[i], alpha ? (float)x : decoded(x), 1e-6f);
+                assert_float_equal(scene_image_value(image, i), alpha ? (float)x : decoded(x),
+                                   1e-6f);
             }
             arena_free(&c.arena);
         }
@@ -66,7 +67,7 @@ static void one_channel_is_read(void **state) {
         scene_case_begin(&c.log), {"scene.xml", 3, 7}, &c.arena, "opaque.png", &c.hash};
     struct load_images images = {.arena = &c.arena};
     struct image *image;
-    assert_int_equal(load_image_channel(&source, &images, false, LOAD_IMAGE_ALPHA, &image),
+    assert_int_equal(load_image_texture(&source, &images, false, LOAD_IMAGE_ALPHA, &image),
                      SATIN_ERROR_INPUT);
     assert_string_equal(c.log.error,
                         "scene.xml:3:7: cannot read image 'opaque.png': it has no alpha channel");
@@ -86,7 +87,7 @@ static void bytes_become_linear(void **state) {
         assert_true(image->width == 3 && image->height == 2 && image->channels == 3);
         for (int i = 0; i < 18; i++) {
             double x = pixel[i / 3 * 4 + i % 3] / 255.0;
-            assert_float_equal(image->texel[i], raw ? (float)x : decoded(x), 1e-6f);
+            assert_float_equal(scene_image_value(image, i), raw ? (float)x : decoded(x), 1e-6f);
         }
         assert_true(c.hash != 1);
         arena_free(&c.arena);
@@ -98,8 +99,39 @@ static void bytes_become_linear(void **state) {
     assert_int_equal(load_image_load(&c, "grey.png", false, &image), SATIN_OK);
     assert_int_equal(image->channels, 1);
     for (int i = 0; i < 6; i++)
-        assert_float_equal(image->texel[i], decoded(grey[i] / 255.0), 1e-6f);
+        assert_float_equal(scene_image_value(image, i), decoded(grey[i] / 255.0), 1e-6f);
     arena_free(&c.arena);
+}
+
+// The texels of a texture of 8 bits stay bytes, with the values and the smaller copies that floats
+// have.
+static void textures_keep_bytes(void **state) {
+    (void)state;
+    static const unsigned char pixel[18] = {0,   10, 20, 60, 128, 200, 255, 254, 253,
+                                            100, 90, 80, 70, 60,  50,  40,  30,  20};
+    write_png("rgb.png", PNG_FORMAT_RGB, pixel);
+    for (int raw = 0; raw < 2; raw++) {
+        struct image_case c;
+        struct image *floats, *bytes, *of_floats, *of_bytes;
+        int levels[2];
+        assert_int_equal(load_image_load(&c, "rgb.png", raw, &floats), SATIN_OK);
+        struct load_source source = {
+            scene_case_begin(&c.log), {"scene.xml", 3, 7}, &c.arena, "rgb.png", &c.hash};
+        struct load_images images = {.arena = &c.arena};
+        assert_int_equal(load_image_texture(&source, &images, raw, LOAD_IMAGE_ALL, &bytes),
+                         SATIN_OK);
+        assert_true(floats->texel && !floats->byte && bytes->byte && !bytes->texel);
+        assert_true(scene_image_bytes(floats) == 72 && scene_image_bytes(bytes) == 18);
+        for (int i = 0; i < 18; i++) {
+            assert_int_equal(bytes->byte[i], pixel[i]);
+            assert_true(scene_image_value(bytes, i) == floats->texel[i]);
+        }
+        assert_true(load_image_levels(&c.arena, floats, &of_floats, &levels[0]));
+        assert_true(load_image_levels(&c.arena, bytes, &of_bytes, &levels[1]));
+        assert_true(levels[0] == 1 && levels[1] == 1);
+        assert_memory_equal(of_floats->texel, of_bytes->texel, 3 * sizeof(float));
+        arena_free(&c.arena);
+    }
 }
 
 static void floats_must_be_possible_for_light(void **state) {
@@ -114,7 +146,7 @@ static void floats_must_be_possible_for_light(void **state) {
     struct image *image;
     assert_int_equal(load_image_load(&c, "a.pfm", false, &image), SATIN_OK);
     const float expected[6] = {0.0f, 0.0f, 0.25f, 0.5f, 0.0f, 7.0f};
-    for (int i = 0; i < 6; i++) assert_float_equal(image->texel[i], expected[i], 0.0f);
+    for (int i = 0; i < 6; i++) assert_float_equal(scene_image_value(image, i), expected[i], 0.0f);
     assert_int_equal(c.log.warnings, 1);
     assert_string_equal(c.log.warning,
                         "a.pfm: 3 values are negative, not finite or over 1e+25 and count as 0");
@@ -147,7 +179,7 @@ static void exr_files_need_no_module(void **state) {
     struct load_images images = {.arena = &c.arena};
     struct image *image, *alpha, *luminance;
     assert_int_equal(load_image(&source, &images, false, &image), SATIN_OK);
-    assert_int_equal(load_image_channel(&source, &images, false, LOAD_IMAGE_ALPHA, &alpha),
+    assert_int_equal(load_image_texture(&source, &images, false, LOAD_IMAGE_ALPHA, &alpha),
                      SATIN_OK);
     source.path = "grey.exr";
     assert_int_equal(load_image(&source, &images, false, &luminance), SATIN_OK);
@@ -157,7 +189,8 @@ static void exr_files_need_no_module(void **state) {
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         static const int of_color[3] = {4, 5, 2};
         for (int k = 0; k < 3; k++)
-            assert_float_equal(image->texel[3 * i + k], (float)(1000 * of_color[k] + i), 0.0f);
+            assert_float_equal(scene_image_value(image, 3 * i + k), (float)(1000 * of_color[k] + i),
+                               0.0f);
         assert_float_equal(alpha->texel[i], (float)(3000 + i), 0.0f);
         assert_float_equal(luminance->texel[i], (float)i, 0.0f);
     }
@@ -250,7 +283,7 @@ static struct image *random_image(struct arena *arena, int width, int height, in
 static double texel_mean(const struct image *image) {
     const size_t count = (size_t)image->width * (size_t)image->height * (size_t)image->channels;
     double sum = 0.0;
-    for (size_t i = 0; i < count; i++) sum += (double)image->texel[i];
+    for (size_t i = 0; i < count; i++) sum += (double)scene_image_value(image, i);
     return sum / (double)count;
 }
 
@@ -369,6 +402,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_channel_is_read),
         cmocka_unit_test(bytes_become_linear),
+        cmocka_unit_test(textures_keep_bytes),
         cmocka_unit_test(exr_files_need_no_module),
         cmocka_unit_test(floats_must_be_possible_for_light),
         cmocka_unit_test(wrong_image_files_are_refused),

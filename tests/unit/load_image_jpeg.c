@@ -85,7 +85,7 @@ static void check_pixels(const struct jpeg_file *jpeg, int channels) {
     for (int y = 0; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x++)
             for (int c = 0; c < channels; c++)
-                assert_float_equal(image->texel[(y * WIDTH + x) * channels + c],
+                assert_float_equal(scene_image_value(image, (y * WIDTH + x) * channels + c),
                                    (float)pixel_value(x, y, c) / 255.0f, 3.0f / 255.0f);
     arena_free(&arena);
 }

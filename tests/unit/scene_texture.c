@@ -5,7 +5,8 @@
 #include "mesh_case.h"
 
 static const float scene_texture_texel[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const struct image scene_texture_image = {4, 3, 1, scene_texture_texel, 3.46410162f};
+static const struct image scene_texture_image = {
+    .width = 4, .height = 3, .channels = 1, .texel = scene_texture_texel, .side = 3.46410162f};
 
 static struct texture scene_texture_bitmap(enum texture_wrap wrap, bool nearest) {
     return (struct texture){.kind = TEXTURE_BITMAP,
@@ -69,7 +70,7 @@ static void zero_or_one_surrounds_the_image(void **state) {
     assert_true(eval(&both, (vec2){1.3f, 1.3f}).r == 0.0f);
     assert_true(eval(&both, (vec2){.3f, 1.3f}).r == 1.0f);
     const float bright[1] = {3.0f};
-    const struct image texel = {1, 1, 1, bright, 1.0f};
+    const struct image texel = scene_image_make(1, 1, 1, bright);
     struct texture t = scene_texture_bitmap(TEXTURE_ONE, true);
     t.image = &texel;
     float lo, hi;
