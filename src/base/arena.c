@@ -15,21 +15,24 @@ enum { BLOCK_BYTES = ARENA_BLOCK_BYTES, ALIGN_LARGE = 64, ALIGN_SMALL = 16 };
 
 struct arena_block {
     struct arena_block *next;
+    void *memory;       // in which `data` is
     size_t used, size;  // of `data`
     char *data;
 };
 
+// A block of zeros. Large ones take no memory until they are written, as calloc gets them from the
+// system: an image that is found to be damaged takes none.
 static struct arena_block *block_new(size_t bytes) {
     struct arena_block *block = malloc(sizeof *block);
     if (!block) return NULL;
-    size_t size = (bytes + ALIGN_LARGE - 1) / ALIGN_LARGE * ALIGN_LARGE;
-    block->data = aligned_alloc(ALIGN_LARGE, size);
-    if (!block->data) {
+    const size_t size = (bytes + ALIGN_LARGE - 1) / ALIGN_LARGE * ALIGN_LARGE;
+    void *memory = calloc(1, size + ALIGN_LARGE);
+    if (!memory) {
         free(block);
         return NULL;
     }
-    block->used = 0;
-    block->size = size;
+    char *data = (char *)memory + (ALIGN_LARGE - (uintptr_t)memory % ALIGN_LARGE);
+    *block = (struct arena_block){.memory = memory, .size = size, .data = data};
     return block;
 }
 
@@ -48,7 +51,7 @@ void *arena_alloc(struct arena *arena, size_t bytes) {
     }
     block->used = start + bytes;
     arena->bytes += bytes;
-    return memset(block->data + start, 0, bytes);
+    return block->data + start;
 }
 
 void *arena_array(struct arena *arena, size_t count, size_t size) {
@@ -67,7 +70,7 @@ void *arena_array_alone(struct arena *arena, size_t count, size_t size) {
     block->used = block->size;
     *link = block;
     arena->bytes += block->size;
-    return memset(block->data, 0, bytes);
+    return block->data;
 }
 
 void arena_drop(struct arena *arena, const void *array) {
@@ -76,7 +79,7 @@ void arena_drop(struct arena *arena, const void *array) {
         if (block->data != array) continue;
         *link = block->next;
         arena->bytes -= block->size;
-        free(block->data);
+        free(block->memory);
         free(block);
         return;
     }
@@ -91,7 +94,7 @@ char *arena_text(struct arena *arena, const char *text, size_t length) {
 void arena_free(struct arena *arena) {
     for (struct arena_block *block = arena->head, *next; block; block = next) {
         next = block->next;
-        free(block->data);
+        free(block->memory);
         free(block);
     }
     *arena = (struct arena){0};

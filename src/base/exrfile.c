@@ -9,6 +9,7 @@
 static const int64_t VALUES_MAX = (int64_t)1 << 31;  // 8 GB of floats
 enum {
     HEADER_MAX = 1 << 20,  // the library sorts attributes by insertion, in quadratic time
+    PIECE_MAX = 4096,      // that the library reads at once but for values of long attributes
     CHANNELS_MAX = 1024,
     WIDTH_MAX = 1 << 28,  // the library counts the bytes of a line by int32
     RATIO_MAX = 2048      // more than any method compresses: PXR24 with zlib has 1376
@@ -16,12 +17,28 @@ enum {
 
 // ---- What the library calls ---------------------------------------------------------------------
 
+// Whether memory that the library asked for was missing, in the current call of it.
+static _Thread_local bool allocation_failed;
+
+static void *exr_allocate(size_t bytes) {
+    void *memory = malloc(bytes);
+    allocation_failed = allocation_failed || !memory;
+    return memory;
+}
+
+// Whether a code says that there is no memory. PIZ says so of damaged data, too.
+static bool means_no_memory(const struct exrfile *file, exr_result_t code) {
+    return code == EXR_ERR_OUT_OF_MEMORY &&
+           (allocation_failed || file->compression != EXR_COMPRESSION_PIZ);
+}
+
 // Stores the message, which would otherwise go to standard error.
 static void note_error(exr_const_context_t exr, exr_result_t code, const char *message) {
     void *user = NULL;
     (void)message;
-    if (code == EXR_ERR_OUT_OF_MEMORY && exr_get_user_data(exr, &user) == EXR_ERR_SUCCESS && user)
-        ((struct exrfile *)user)->no_memory = true;
+    if (exr_get_user_data(exr, &user) != EXR_ERR_SUCCESS || !user) return;
+    struct exrfile *file = user;
+    file->no_memory = file->no_memory || means_no_memory(file, code);
 }
 
 static int64_t memory_size(exr_const_context_t exr, void *user) {
@@ -31,10 +48,11 @@ static int64_t memory_size(exr_const_context_t exr, void *user) {
 
 static int64_t memory_read(exr_const_context_t exr, void *user, void *buffer, uint64_t bytes,
                            uint64_t offset, exr_stream_error_func_ptr_t error) {
-    const struct exrfile *r = user;
+    struct exrfile *r = user;
     (void)exr;
     (void)error;
-    if (offset >= r->size || (r->in_header && offset > HEADER_MAX)) return 0;
+    if (r->in_header && bytes <= PIECE_MAX) r->header_bytes += bytes;
+    if (offset >= r->size || r->header_bytes > HEADER_MAX) return 0;
     if (bytes > r->size - offset) bytes = r->size - offset;
     memcpy(buffer, r->data + offset, bytes);
     return (int64_t)bytes;
@@ -58,7 +76,8 @@ static satin_status exr_other(struct exrfile *file, const char *problem) {
 }
 
 static satin_status exr_problem_code(struct exrfile *file, const char *what, exr_result_t code) {
-    if (code == EXR_ERR_OUT_OF_MEMORY || file->no_memory) return exrfile_no_memory(file);
+    if (file->no_memory || means_no_memory(file, code)) return exrfile_no_memory(file);
+    if (code == EXR_ERR_OUT_OF_MEMORY) code = EXR_ERR_CORRUPT_CHUNK;
     return exr_problem(file, what, exr_get_default_error_message(code));
 }
 
@@ -68,6 +87,7 @@ static satin_status open_header(struct exrfile *file, const char *name) {
         return exr_other(file, "it is not an OpenEXR file");
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = note_error;
+    init.alloc_fn = exr_allocate;
     init.user_data = file;
     init.read_fn = memory_read;
     init.size_fn = memory_size;
@@ -86,6 +106,9 @@ static const char *unsupported(exr_storage_t storage, exr_compression_t compress
         return "deep images are not supported";
     if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)
         return "DWA compression is not supported";
+    // The library's own C functions unpack these wrongly: float values, and chunks of one row.
+    if (compression == EXR_COMPRESSION_B44 || compression == EXR_COMPRESSION_B44A)
+        return "B44 compression is not supported";
     if (compression > EXR_COMPRESSION_B44A) return "its compression is not supported";
     if (channels->num_channels < 1) return "it has no channels";
     if (channels->num_channels > CHANNELS_MAX) return "it has too many channels";
@@ -114,16 +137,16 @@ static const char *read_size(struct exrfile *file) {
 
 satin_status exrfile_open(struct exrfile *file, const char *name, const void *data, size_t size) {
     exr_storage_t storage = EXR_STORAGE_SCANLINE;
-    exr_compression_t compression = EXR_COMPRESSION_NONE;
+    allocation_failed = false;
     *file = (struct exrfile){.data = data, .size = size};
     const satin_status status = open_header(file, name);
     if (status != SATIN_OK) return status;
     exr_result_t code = exr_get_storage(file->exr, 0, &storage);
-    if (code == EXR_ERR_SUCCESS) code = exr_get_compression(file->exr, 0, &compression);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_compression(file->exr, 0, &file->compression);
     if (code == EXR_ERR_SUCCESS) code = exr_get_channels(file->exr, 0, &file->channels);
     if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(file->exr, 0, &file->window);
     if (code != EXR_ERR_SUCCESS) return exr_problem_code(file, "invalid OpenEXR header: ", code);
-    const char *why = unsupported(storage, compression, file->channels);
+    const char *why = unsupported(storage, file->compression, file->channels);
     if (why) return exr_other(file, why);
     why = read_size(file);
     if (why) return exr_problem(file, "", why);
@@ -132,20 +155,42 @@ satin_status exrfile_open(struct exrfile *file, const char *name, const void *da
 }
 
 void exrfile_close(struct exrfile *file) {
-    free(file->unread);
+    free(file->scratch);
     if (file->exr) exr_finish(&file->exr);
 }
 
 // ---- Pixels -------------------------------------------------------------------------------------
 
-// Allocates memory for the values of a channel that is not read: the library may crash without.
-static bool unread_fits(struct exrfile *file, const exr_chunk_info_t *info) {
-    const size_t count = (size_t)info->width * (size_t)info->height;
-    if (count <= file->unread_count) return true;
-    free(file->unread);
-    file->unread = malloc(count * sizeof *file->unread);
-    file->unread_count = file->unread ? count : 0;
-    return file->unread != NULL;
+// The library would mix interleaved channels up, and may crash without memory for one that is not
+// read: these are written to planes of scratch.
+static bool needs_plane(const struct exrfile_channel *to) { return to->column != 1; }
+
+static bool make_scratch(struct exrfile *file, const struct exrfile_channel *to,
+                         const exr_chunk_info_t *info) {
+    size_t planes = 1;  // the first one for all that are not read
+    for (int c = 0; c < file->channels->num_channels; c++)
+        planes += to[c].first && needs_plane(&to[c]);
+    const size_t count = planes * (size_t)info->width * (size_t)info->height;
+    if (count <= file->scratch_count) return true;
+    free(file->scratch);
+    file->scratch = malloc(count * sizeof *file->scratch);
+    file->scratch_count = file->scratch ? count : 0;
+    return file->scratch != NULL;
+}
+
+// Copies the values of a chunk, with its corner at (x, y), from their planes to where they belong.
+static void copy_planes(const struct exrfile *file, const struct exrfile_channel *to,
+                        const exr_chunk_info_t *info, size_t x, size_t y) {
+    const float *plane = file->scratch;
+    const size_t w = (size_t)info->width, h = (size_t)info->height;
+    for (int c = 0; c < file->channels->num_channels; c++) {
+        if (!to[c].first || !needs_plane(&to[c])) continue;
+        plane += w * h;
+        for (size_t j = 0; j < h; j++) {
+            float *row = to[c].first + (y + j) * to[c].row + x * to[c].column;
+            for (size_t i = 0; i < w; i++) row[i * to[c].column] = plane[j * w + i];
+        }
+    }
 }
 
 // Decodes one chunk, with its corner at (x, y) from that of the window.
@@ -153,26 +198,27 @@ static exr_result_t decode_chunk(struct exrfile *file, const struct exrfile_chan
                                  const exr_chunk_info_t *info, int64_t x, int64_t y) {
     if (x < 0 || y < 0 || x + info->width > file->width || y + info->height > file->height)
         return EXR_ERR_CORRUPT_CHUNK;
+    if (!make_scratch(file, to, info)) return EXR_ERR_OUT_OF_MEMORY;
+    const size_t plane_size = (size_t)info->width * (size_t)info->height;
+    float *plane = file->scratch;
     exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
     exr_result_t code = exr_decoding_initialize(file->exr, 0, info, &pipe);
     for (int c = 0; code == EXR_ERR_SUCCESS && c < pipe.channel_count; c++) {
         exr_coding_channel_info_t *channel = &pipe.channels[c];
-        const bool unread = !to[c].first;
-        if (unread && !unread_fits(file, info)) {
-            code = EXR_ERR_OUT_OF_MEMORY;
-            break;
-        }
-        const size_t column = unread ? 1 : to[c].column,
-                     row = unread ? (size_t)info->width : to[c].row;
-        float *corner = unread ? file->unread : to[c].first + (size_t)y * row + (size_t)x * column;
+        const bool direct = to[c].first && !needs_plane(&to[c]);
+        const size_t row = direct ? to[c].row : (size_t)info->width;
+        float *corner = direct        ? to[c].first + (size_t)y * row + (size_t)x
+                        : to[c].first ? (plane += plane_size)
+                                      : file->scratch;
         channel->user_bytes_per_element = sizeof *corner;
         channel->user_data_type = EXR_PIXEL_FLOAT;
-        channel->user_pixel_stride = (int32_t)(column * sizeof *corner);
+        channel->user_pixel_stride = sizeof *corner;
         channel->user_line_stride = (int32_t)(row * sizeof *corner);
         channel->decode_to_ptr = (uint8_t *)corner;
     }
     if (code == EXR_ERR_SUCCESS) code = exr_decoding_choose_default_routines(file->exr, 0, &pipe);
     if (code == EXR_ERR_SUCCESS) code = exr_decoding_run(file->exr, 0, &pipe);
+    if (code == EXR_ERR_SUCCESS) copy_planes(file, to, info, (size_t)x, (size_t)y);
     exr_decoding_destroy(file->exr, &pipe);
     return code;
 }
@@ -206,6 +252,7 @@ static satin_status read_tiles(struct exrfile *file, const struct exrfile_channe
 }
 
 satin_status exrfile_read(struct exrfile *file, const struct exrfile_channel *to) {
+    allocation_failed = false;
     const satin_status status = file->tiled ? read_tiles(file, to) : read_scanlines(file, to);
     return status == SATIN_OK && file->no_memory ? exrfile_no_memory(file) : status;
 }

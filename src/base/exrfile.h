@@ -22,10 +22,12 @@ struct exrfile {
     // Used by the functions below.
     const unsigned char *data;
     uint64_t size;
+    exr_compression_t compression;
     bool in_header;
-    bool no_memory;  // the library had no memory, even if it then reported another error
-    float *unread;   // where values of channels that are not read go
-    size_t unread_count;
+    uint64_t header_bytes;  // read in small pieces
+    bool no_memory;         // the library had no memory, even if it then reported another error
+    float *scratch;         // values that are copied from there
+    size_t scratch_count;
 };
 
 // Where the values of a channel go: value (x, y) of the window to `first`[y * row + x * column].

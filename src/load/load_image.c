@@ -219,7 +219,8 @@ static satin_status read_image(const struct load_source *source, struct load_ima
     const double values = (double)opened.width * opened.height * opened.channels;
     bool admitted = !images;
     if (status == SATIN_OK && images &&
-        !load_images_admit(images, values, value_size(&opened, kind), &admitted))
+        !load_images_admit(images, values, value_size(&opened, kind), file->data ? file->size : 0,
+                           &admitted))
         status = log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
                           source->path);
     if (status == SATIN_OK)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads OpenEXR files (base/exrfile.h) of three channels or one, half or float, beside which may be
-// alpha, depth and layers. All others are left to the module on OpenImageIO.
+// Reads OpenEXR files (base/exrfile.h) of three channels or one, beside which may be alpha, depth
+// and layers. All others are left to the module on OpenImageIO.
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,10 +32,6 @@ static int find_channel(const exr_attr_chlist_t *channels, const char *name) {
     return -1;
 }
 
-static bool is_real(const exr_attr_chlist_t *channels, int channel) {
-    return channel >= 0 && channels->entries[channel].pixel_type != EXR_PIXEL_UINT;
-}
-
 // Whether all channels outside of layers are those of an image, and which these are.
 static bool find_channels(const exr_attr_chlist_t *channels, struct value_channels *out) {
     static const char *const rgb_names[] = {"R", "G", "B"}, *const grey_names[] = {"Y"};
@@ -44,10 +40,9 @@ static bool find_channels(const exr_attr_chlist_t *channels, struct value_channe
     out->colors = grey ? 1 : 3;
     for (int i = 0; i < out->colors; i++) {
         out->of[i] = find_channel(channels, names[i]);
-        if (!is_real(channels, out->of[i])) return false;
+        if (out->of[i] < 0) return false;
     }
     const int alpha = out->of[out->colors] = find_channel(channels, "A");
-    if (alpha >= 0 && !is_real(channels, alpha)) return false;
     int known = out->colors + (alpha >= 0) + (find_channel(channels, "Z") >= 0);
     for (int i = 0; i < channels->num_channels; i++)
         known += strchr(channels->entries[i].name.str, '.') != NULL;
