@@ -271,7 +271,7 @@ rgb render_irradiance_change(const struct render_image *image, const struct sati
 // memory.
 bool render_irradiance_filter(struct render *r);
 
-// ---- The filter of noise (render_noise_filter.c)
+// ---- The filter of noise (render_noise_filter.c, render_noise_sums.c)
 
 // Whether an image with these options is filtered.
 bool render_noise_filter_on(const satin_options *options);

@@ -56,7 +56,8 @@ struct noise_tile {
     float albedo[3][PIXELS_READ], normal[3][PIXELS_READ];
     float inverse[PIXELS_READ];                        // of the distance; 0: no surface
     float slope_x[PIXELS_READ], slope_y[PIXELS_READ];  // its change from pixel to pixel
-    bool has[NOISY_LAYERS];  // whether some pixel has samples of the layer
+    bool has[NOISY_LAYERS];               // whether some pixel has samples of the layer
+    bool sampled[PIXELS_READ], complete;  // whether a pixel has samples, and whether all have
     // The variance of one unit of weight in one channel, by single pixels and by 3 x 3 pixels.
     float spread[PIXELS_READ], around[PIXELS_READ];
     // The pixels that are filtered, row by row: how far surfaces differ, and weighted sums over
@@ -69,27 +70,6 @@ struct noise_tile {
 
 bool render_noise_filter_on(const satin_options *o) {
     return o->noise_filter && o->integrator == SATIN_TWO_PASS && !o->denoise;
-}
-
-bool render_noise_memory(struct render_image *image) {
-    const size_t pixels = render_pixel_count(image);
-    image->noisy_light = calloc(pixels, sizeof *image->noisy_light);
-    image->change = calloc(pixels, sizeof *image->change);
-    return image->noisy_light && image->change;
-}
-
-void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sample *s) {
-    sum->glossy = rgb_mad(sum->glossy, s->uncached_glossy, s->weight);
-    sum->shown.albedo = rgb_mad(sum->shown.albedo, s->shown.albedo, s->weight);
-    sum->shown.normal = rgb_mad(sum->shown.normal, s->shown.normal, s->weight);
-    sum->shown.depth += s->weight * s->shown.depth;
-    if (s->sampled_glossy) sum->sampled += s->weight;
-    if (!(parity & 1)) return;
-    if (s->sampled_glossy) sum->odd_sampled += s->weight;
-    rgb *odd = sum->odd;
-    odd[NOISY_DIRECT] = rgb_mad(odd[NOISY_DIRECT], s->layer[SHADE_DIRECT], s->weight);
-    odd[NOISY_GLOSSY] = rgb_mad(odd[NOISY_GLOSSY], s->uncached_glossy, s->weight);
-    sum->weight += s->weight;
 }
 
 // ---- What is compared ---------------------------------------------------------------------------
@@ -118,8 +98,9 @@ static void read_half(struct half_plane *half, size_t i, enum noisy_layer layer,
     half->light[layer][2][i] = usable ? light.b / albedo.b : 0.0f;
 }
 
-static void read_pixel(struct noise_tile *t, size_t i, const struct render_image *image,
-                       size_t at) {
+// `first`: the half that gets the even samples.
+static void read_pixel(struct noise_tile *t, size_t i, const struct render_image *image, size_t at,
+                       int first) {
     const struct image_pixel *p = &image->pixel[at];
     const struct image_noisy *noisy = &image->noisy_light[at];
     const float scale = render_image_scale(p);
@@ -128,11 +109,12 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
     for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++) {
         const rgb odd = noisy->odd[layer];
         const float all = weight_of(image, at, layer);
-        t->half[0].weight[layer][i] = maxf(all - odd_weight[layer], 0.0f);
-        t->half[1].weight[layer][i] = maxf(odd_weight[layer], 0.0f);
+        struct half_plane *even_half = &t->half[first], *odd_half = &t->half[1 - first];
+        even_half->weight[layer][i] = maxf(all - odd_weight[layer], 0.0f);
+        odd_half->weight[layer][i] = maxf(odd_weight[layer], 0.0f);
         if (all != 0.0f) t->has[layer] = true;
-        read_half(&t->half[0], i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
-        read_half(&t->half[1], i, layer, odd, albedo);
+        read_half(even_half, i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
+        read_half(odd_half, i, layer, odd, albedo);
     }
     t->albedo[0][i] = albedo.r;
     t->albedo[1][i] = albedo.g;
@@ -146,16 +128,52 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
 
 static int clamp_to(int x, int end) { return x < 0 ? 0 : x < end ? x : end - 1; }
 
-// Beyond the image its border goes on.
-static void read_tile(struct noise_tile *t, const struct render_image *image, int x0, int y0) {
-    memset(t->has, 0, sizeof t->has);
+// Whether all pixels that are read have samples. Beyond the image its border goes on.
+static bool is_complete(const struct render_image *image, int x0, int y0) {
     for (int y = 0; y < EXTENT; y++)
         for (int x = 0; x < EXTENT; x++) {
             const int from_x = clamp_to(x0 + x - MARGIN, image->width),
                       from_y = clamp_to(y0 + y - MARGIN, image->height);
-            read_pixel(t, (size_t)(y * EXTENT + x), image,
-                       (size_t)from_y * (size_t)image->width + (size_t)from_x);
+            if (!image->pixel[(size_t)from_y * (size_t)image->width + (size_t)from_x].samples)
+                return false;
         }
+    return true;
+}
+
+// The first samples of neighbours are in different halves (render_noise_add). Those of a coarser
+// grid would all be in one: by all bits of the columns and rows they alternate there, too.
+static int first_half(int x, int y) { return __builtin_parity((unsigned)(x ^ y) >> 1); }
+
+// A pixel without samples looks like the one whose values it shows.
+static void read_tile(struct noise_tile *t, const struct render_image *image, int x0, int y0) {
+    memset(t->has, 0, sizeof t->has);
+    t->complete = is_complete(image, x0, y0);
+    for (int y = 0; y < EXTENT; y++)
+        for (int x = 0; x < EXTENT; x++) {
+            const int from_x = clamp_to(x0 + x - MARGIN, image->width),
+                      from_y = clamp_to(y0 + y - MARGIN, image->height);
+            const size_t i = (size_t)(y * EXTENT + x),
+                         at = (size_t)from_y * (size_t)image->width + (size_t)from_x;
+            t->sampled[i] = image->pixel[at].samples > 0;
+            const struct image_pixel *shown =
+                t->sampled[i] ? &image->pixel[at] : render_image_source(image, from_x, from_y);
+            const size_t from = shown ? (size_t)(shown - image->pixel) : at;
+            const int column = (int)(from % (size_t)image->width),
+                      row = (int)(from / (size_t)image->width);
+            read_pixel(t, i, image, from, t->complete ? 0 : first_half(column, row));
+        }
+}
+
+// Leaves the light of pixels that have samples.
+static void drop_unsampled(struct noise_tile *t) {
+    for (size_t i = 0; i < PIXELS_READ; i++) {
+        if (t->sampled[i]) continue;
+        for (int h = 0; h < HALVES; h++)
+            for (int layer = 0; layer < NOISY_LAYERS; layer++) {
+                t->half[h].weight[layer][i] = 0.0f;
+                for (int c = 0; c < 3; c++) t->half[h].light[layer][c][i] = 0.0f;
+            }
+    }
 }
 
 // The smaller one of the changes to both sides, as one of them may cross an edge.
@@ -201,8 +219,18 @@ static void set_means(struct half_plane *half, const struct half_plane *other, i
                                                                  : mean_beside(half, other, c, i);
 }
 
+// Whether the mean of a half comes from its own samples, there or beside.
+static bool has_mean(const struct half_plane *half, size_t i) {
+    const float *weight = &half->weight[NOISY_DIRECT][i];
+    return *weight > 0.0f || weight[-1] > 0.0f || weight[1] > 0.0f || weight[-EXTENT] > 0.0f ||
+           weight[EXTENT] > 0.0f;
+}
+
 // The variance of one unit of weight is known by how far both halves differ. A half without samples
-// counts like one sample.
+// counts like one sample. It is UNKNOWN amid the pixels that show one of a coarser grid, where the
+// halves would not differ.
+static const float UNKNOWN = -1.0f;
+
 static void set_spread(struct noise_tile *t, int c) {
     const struct half_plane *a = &t->half[0], *b = &t->half[1];
     for (int y = 1; y < EXTENT - 1; y++)
@@ -212,28 +240,39 @@ static void set_spread(struct noise_tile *t, int c) {
                         of_b =
                             b->weight[NOISY_DIRECT][i] > 0.0f ? b->weight[NOISY_DIRECT][i] : 1.0f;
             t->spread[i] = sqrf(a->E[c][i] - b->E[c][i]) * (of_a * of_b / (of_a + of_b));
+            if (!t->complete && !(has_mean(a, (size_t)i) && has_mean(b, (size_t)i)))
+                t->spread[i] = UNKNOWN;
         }
 }
 
 static void set_around(struct noise_tile *t) {
     for (int y = 2; y < EXTENT - 2; y++)
         for (int i = y * EXTENT + 2; i < (y + 1) * EXTENT - 2; i++) {
-            float sum = 0.0f;
+            float sum = 0.0f, count = 0.0f;
             for (int row = -EXTENT; row <= EXTENT; row += EXTENT)
-                for (int column = -1; column <= 1; column++) sum += t->spread[i + row + column];
-            t->around[i] = sum / 9.0f;
+                for (int column = -1; column <= 1; column++) {
+                    const float spread = t->spread[i + row + column];
+                    sum += spread < 0.0f ? 0.0f : spread;
+                    count += spread < 0.0f ? 0.0f : 1.0f;
+                }
+            t->around[i] = count > 0.0f ? sum / count : UNKNOWN;
         }
 }
 
 // Two values alone say little, so the variance is that of 3 x 3 pixels: of those with the pixel in
 // the middle or at a corner the quietest. What is quiet beside a noisy highlight then stays so.
+// Where none is known, noise is as large as the light.
 static void set_variances(struct noise_tile *t, int c) {
     static const int corner[4] = {-EXTENT - 1, -EXTENT + 1, EXTENT - 1, EXTENT + 1};
     set_around(t);
     for (int y = 3; y < EXTENT - 3; y++)
         for (int i = y * EXTENT + 3; i < (y + 1) * EXTENT - 3; i++) {
-            float least = t->around[i];
-            for (int k = 0; k < 4; k++) least = minf(least, t->around[i + corner[k]]);
+            float least = t->around[i] < 0.0f ? INFINITY : t->around[i];
+            for (int k = 0; k < 4; k++) {
+                const float there = t->around[i + corner[k]];
+                least = there < 0.0f ? least : minf(least, there);
+            }
+            if (!(least < INFINITY)) least = sqrf(t->half[0].E[c][i]);
             for (int h = 0; h < HALVES; h++) {
                 const float weight = t->half[h].weight[NOISY_DIRECT][i];
                 t->half[h].variance[c][i] = least / (weight > 0.0f ? weight : 1.0f);
@@ -380,6 +419,7 @@ static void filter_tile(struct noise_tile *t, struct render_image *image, int x0
         set_spread(t, c);
         set_variances(t, c);
     }
+    if (!t->complete) drop_unsampled(t);
     memset(t->sum, 0, sizeof t->sum);
     memset(t->weight, 0, sizeof t->weight);
     for (int dy = -SEARCH; dy <= SEARCH; dy++)

@@ -159,6 +159,56 @@ static void test_even_light(void **state) {
         }
 }
 
+// The mean square of the difference from what is shown in pixels of a grid, before and after.
+static void grid_squares(noise_scene_fn *at, int stride, double *before, double *after) {
+    *before = *after = 0.0;
+    int count = 0;
+    for (int y = 0; y < HIGH; y += stride)
+        for (int x = 0; x < WIDE; x += stride, count++) {
+            *before += pow((double)light_before(x, y) - (double)at(x, y).E, 2.0);
+            *after += pow((double)light_after(x, y) - (double)at(x, y).E, 2.0);
+        }
+    *before /= count;
+    *after /= count;
+}
+
+// Stripes of shadow.
+static struct noisy_point striped(int x, int y) {
+    (void)y;
+    return (struct noisy_point){x / 8 % 2 ? 1.0f : 0.1f, 0.2f, {0, 0, 1}, 1.0f, 0.0f};
+}
+
+static void fill_coarse(noise_scene_fn *at, int stride) {
+    fill_image(at, 1, 1.0f);
+    for (int y = 0; y < HIGH; y++)
+        for (int x = 0; x < WIDE; x++) {
+            if (x % stride == 0 && y % stride == 0) continue;
+            noise_pixels[y * WIDE + x] = (struct image_pixel){0};
+            noisy_sums[y * WIDE + x] = (struct image_noisy){0};
+        }
+    noise_image.coarsest = stride;
+    assert_true(render_noise_change(&noise_image, noise_pool));
+    noise_image.coarsest = 0;
+}
+
+// So does that of an image of which every second or fourth pixel of each row and column has a
+// sample, although the grid of these samples is that of a checkerboard's fields of one colour.
+static void test_coarse_image(void **state) {
+    (void)state;
+    for (int stride = 2; stride <= 4; stride *= 2) {
+        double before, after;
+        fill_coarse(even_light, stride);
+        grid_squares(even_light, stride, &before, &after);
+        print_message("stride %d: error after %.3f of that before\n", stride, after / before);
+        assert_true(after < (stride == 2 ? 0.3 : 0.6) * before);
+    }
+    double before, after;
+    fill_coarse(striped, 2);
+    grid_squares(striped, 2, &before, &after);
+    print_message("stripes: error after %.3f of that before\n", after / before);
+    assert_true(after < before);
+}
+
 // Four samples show an edge between light and shadow: no noise of the one side is on the other one.
 static void test_edges(void **state) {
     (void)state;
@@ -317,11 +367,11 @@ static int noise_teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_even_light),       cmocka_unit_test(test_edges),
-        cmocka_unit_test(test_no_noise),         cmocka_unit_test(test_bright_sample),
-        cmocka_unit_test(test_unusable_pixels),  cmocka_unit_test(test_small_images),
-        cmocka_unit_test(test_threads),          cmocka_unit_test(test_thin_objects),
-        cmocka_unit_test(test_incomplete_image),
+        cmocka_unit_test(test_coarse_image),  cmocka_unit_test(test_even_light),
+        cmocka_unit_test(test_edges),         cmocka_unit_test(test_no_noise),
+        cmocka_unit_test(test_bright_sample), cmocka_unit_test(test_unusable_pixels),
+        cmocka_unit_test(test_small_images),  cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_thin_objects),  cmocka_unit_test(test_incomplete_image),
     };
     return cmocka_run_group_tests(tests, noise_setup, noise_teardown);
 }
