@@ -149,9 +149,9 @@ bool load_image_coarser(struct arena *arena, const struct image *from, bool envi
 // ---- load_image_limit.c: images that become coarser where memory is limited
 
 // Finds whether an image of so many values of `size` bytes can be read, which before it becomes
-// coarser is in memory at its full size, beside so many bytes of its file. If not, that is noted,
-// and no render can begin. False if there is no memory.
-bool load_images_admit(struct load_images *images, double values, size_t size, size_t file,
+// coarser is in memory at its full size, with so many bytes beside it while it is read. If not,
+// that is noted, and no render can begin. False if there is no memory.
+bool load_images_admit(struct load_images *images, double values, size_t size, double beside,
                        bool *admitted);
 // Keeps an image with its levels, which stay where they are while it becomes coarser: the largest
 // images are replaced by their copies until all fit. False if there is no memory.

@@ -80,6 +80,11 @@ static satin_status image_error(const struct load_source *source, const char *pr
     return no_memory ? SATIN_ERROR_MEMORY : SATIN_ERROR_INPUT;
 }
 
+static satin_status no_image_memory(const struct load_source *source) {
+    return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
+                    source->path);
+}
+
 // Images of up to PIXELS_FREE pixels are always read. Larger ones must have a byte per
 // PIXELS_PER_BYTE pixels: no real format compresses better (deflate compresses 8 one-bit pixels by
 // 1032).
@@ -111,21 +116,42 @@ static size_t value_size(const struct opened_image *opened, struct texel_kind ki
     return opened->bytes && kind.bytes ? 1 : sizeof(float);
 }
 
-// Keeps one channel of what was read. False if there is no alpha.
-static bool keep_channel(struct opened_image *opened, int channel, void *values) {
-    const int colors = opened->channels < 3 ? 1 : 3;
-    const bool alpha = channel == LOAD_IMAGE_ALPHA;
-    if (alpha && opened->channels == colors) return false;
-    const size_t from = alpha ? (size_t)colors : colors == 1 ? 0 : (size_t)channel;
+// How many channels of a file are kept.
+static int kept_channels(const struct opened_image *opened, struct texel_kind kind) {
+    return kind.channel == LOAD_IMAGE_ALL ? opened->channels : 1;
+}
+
+static double value_count(const struct opened_image *opened, int channels) {
+    return (double)opened->width * (double)opened->height * (double)channels;
+}
+
+static int color_channels(const struct opened_image *opened) {
+    return opened->channels < 3 ? 1 : 3;
+}
+
+static bool has_alpha(const struct opened_image *opened) {
+    return opened->channels > color_channels(opened);
+}
+
+// Keeps one channel of what was read into *values, as an array of its own instead. False if there
+// is no memory.
+static bool keep_channel(struct arena *arena, struct opened_image *opened, int channel,
+                         void **values) {
+    const int colors = color_channels(opened);
+    const size_t from = (size_t)(channel == LOAD_IMAGE_ALPHA ? colors : colors == 1 ? 0 : channel);
     const size_t count = (size_t)opened->width * (size_t)opened->height;
     const size_t channels = (size_t)opened->channels;
-    unsigned char *byte = values;
-    float *texel = values;
-    for (size_t i = 0; i < count; i++)
-        if (opened->bytes)
-            byte[i] = byte[i * channels + from];
-        else
-            texel[i] = texel[i * channels + from];
+    void *kept = arena_array_alone(arena, count, opened->bytes ? 1 : sizeof(float));
+    if (!kept) return false;
+    if (opened->bytes) {
+        const unsigned char *all = *values;
+        for (size_t i = 0; i < count; i++) ((unsigned char *)kept)[i] = all[i * channels + from];
+    } else {
+        const float *all = *values;
+        for (size_t i = 0; i < count; i++) ((float *)kept)[i] = all[i * channels + from];
+    }
+    arena_drop(arena, *values);
+    *values = kept;
     opened->channels = 1;
     return true;
 }
@@ -145,24 +171,26 @@ static void spread_bytes(const float value[BYTE_VALUES], size_t count, float *te
     for (size_t i = 0; i < count; i++) texel[i] = value[byte[i]];
 }
 
-// Reads all values into `values`, of value_size each, with linear texels as bytes or floats.
+// Reads all values into *values, of value_size each, with linear texels as bytes or floats. If only
+// one channel is kept, *values becomes another array.
 static satin_status read_image_values(const struct load_source *source,
                                       const struct image_reader *reader,
                                       struct opened_image *opened, struct texel_kind kind,
-                                      void *values, float byte_value[BYTE_VALUES]) {
+                                      void **values, float byte_value[BYTE_VALUES]) {
     char error[512] = "";
     const size_t pixels = (size_t)opened->width * (size_t)opened->height;
     const bool spread = opened->bytes && !kind.bytes, alpha = kind.channel == LOAD_IMAGE_ALPHA;
     const bool decode = !kind.raw && !alpha && opened->srgb;
     const size_t count = pixels * (size_t)opened->channels;
-    char *to = (char *)values + (spread ? count * (sizeof(float) - 1) : 0);
+    char *to = (char *)*values + (spread ? count * (sizeof(float) - 1) : 0);
     const enum reader_result result = reader->read(opened, to, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
-    if (kind.channel != LOAD_IMAGE_ALL && !keep_channel(opened, kind.channel, values))
-        return image_error(source, "it has no alpha channel", false);
+    if (kind.channel != LOAD_IMAGE_ALL &&
+        !keep_channel(source->arena, opened, kind.channel, values))
+        return no_image_memory(source);
     if (opened->bytes) byte_values(decode, byte_value);
-    if (spread) spread_bytes(byte_value, count, values);
-    if (!opened->bytes && decode) decode_values(values, pixels * (size_t)opened->channels);
+    if (spread) spread_bytes(byte_value, count, *values);
+    if (!opened->bytes && decode) decode_values(*values, pixels * (size_t)opened->channels);
     return SATIN_OK;
 }
 
@@ -174,10 +202,8 @@ static satin_status read_texels(const struct load_source *source, const struct i
                                      value_size(opened, kind));
     struct image *image = arena_alloc(source->arena, sizeof *image);
     float *byte_value = arena_array(source->arena, BYTE_VALUES, sizeof *byte_value);
-    if (!values || !image || !byte_value)
-        return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
-                        source->path);
-    satin_status status = read_image_values(source, reader, opened, kind, values, byte_value);
+    if (!values || !image || !byte_value) return no_image_memory(source);
+    satin_status status = read_image_values(source, reader, opened, kind, &values, byte_value);
     if (status != SATIN_OK) return status;
     const bool bytes = opened->bytes && kind.bytes;
     *image =
@@ -199,12 +225,23 @@ static satin_status leave_out(const struct load_source *source, int channels, st
     const size_t count = 3 * (size_t)channels;
     const float *texel = arena_array_alone(source->arena, count, sizeof *texel);
     struct image *image = arena_alloc(source->arena, sizeof *image);
-    if (!texel || !image)
-        return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
-                        source->path);
+    if (!texel || !image) return no_image_memory(source);
     *image = scene_image_make(1, 3, channels, texel);
     *out = image;
     return SATIN_OK;
+}
+
+// Finds whether the image fits, with its file and the channels that are read but not kept.
+static satin_status admit(const struct load_source *source, struct load_images *images,
+                          const struct opened_image *opened, struct texel_kind kind, size_t file,
+                          bool *admitted) {
+    const size_t size = value_size(opened, kind);
+    const int kept = kept_channels(opened, kind);
+    const double read =
+        kept < opened->channels ? value_count(opened, opened->channels) * (double)size : 0.0;
+    return load_images_admit(images, value_count(opened, kept), size, (double)file + read, admitted)
+               ? SATIN_OK
+               : no_image_memory(source);
 }
 
 // Reads an image whose size the limit of memory decides, unless `images` is NULL.
@@ -216,17 +253,14 @@ static satin_status read_image(const struct load_source *source, struct load_ima
     const enum reader_result result = reader->open(file, &opened, error, sizeof error);
     if (result != READER_DONE) return image_error(source, error, result == READER_NO_MEMORY);
     satin_status status = check_size(source, &opened, file->size);
-    const double values = (double)opened.width * opened.height * opened.channels;
-    bool admitted = !images;
-    if (status == SATIN_OK && images &&
-        !load_images_admit(images, values, value_size(&opened, kind), file->data ? file->size : 0,
-                           &admitted))
-        status = log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
-                          source->path);
+    if (status == SATIN_OK && kind.channel == LOAD_IMAGE_ALPHA && !has_alpha(&opened))
+        status = image_error(source, "it has no alpha channel", false);
+    bool admitted = true;
+    if (status == SATIN_OK && images)
+        status = admit(source, images, &opened, kind, file->data ? file->size : 0, &admitted);
     if (status == SATIN_OK)
-        status = admitted
-                     ? read_texels(source, reader, &opened, kind, out)
-                     : leave_out(source, kind.channel != LOAD_IMAGE_ALL ? 1 : opened.channels, out);
+        status = admitted ? read_texels(source, reader, &opened, kind, out)
+                          : leave_out(source, kept_channels(&opened, kind), out);
     reader->close(&opened);
     return status;
 }

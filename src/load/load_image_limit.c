@@ -71,17 +71,16 @@ static bool fit_images(struct load_images *images) {
     return true;
 }
 
-bool load_images_admit(struct load_images *images, double values, size_t size, size_t file,
+bool load_images_admit(struct load_images *images, double values, size_t size, double beside,
                        bool *admitted) {
     // The copies are floats and have a third of the texels.
-    const double bytes = values * ((double)size + sizeof(float) / 3.0);
+    const double bytes = values * ((double)size + sizeof(float) / 3.0), read = bytes + beside;
     // Half of a limit that leaves twice this is enough for all others.
-    images->needed = fmax(images->needed, bytes + fmin(bytes, images->asked) + (double)file);
+    images->needed = fmax(images->needed, read + fmin(read, images->asked));
     images->asked += bytes;
     // The image may be the first one that needs OpenImageIO, which leaves less to the others.
     if (!fit_images(images)) return false;
-    *admitted = !(images->memory > 0.0) ||
-                bytes + (double)file + bytes_of_images(images) <= limit_left(images);
+    *admitted = !(images->memory > 0.0) || read + bytes_of_images(images) <= limit_left(images);
     images->missing = images->missing || !*admitted;
     return true;
 }

@@ -74,6 +74,29 @@ static void one_channel_is_read(void **state) {
     arena_free(&c.arena);
 }
 
+// What is kept is one channel, and all colours are in memory while it is read.
+static void one_channel_takes_its_memory(void **state) {
+    (void)state;
+    enum { SIDE = 256, PIXELS = SIDE * SIDE };
+    png_image png = {
+        .version = PNG_IMAGE_VERSION, .width = SIDE, .height = SIDE, .format = PNG_FORMAT_RGBA};
+    unsigned char *pixel = calloc(PIXELS, 4);
+    assert_non_null(pixel);
+    assert_true(png_image_write_to_file(&png, "black.png", 0, pixel, 0, NULL));
+    free(pixel);
+    struct image_case c = {.hash = 1};
+    struct load_source source = {
+        scene_case_begin(&c.log), {"scene.xml", 3, 7}, &c.arena, "black.png", &c.hash};
+    struct load_images images = {.arena = &c.arena};
+    struct image *image;
+    assert_int_equal(load_image_texture(&source, &images, false, 1, &image), SATIN_OK);
+    assert_true(c.arena.bytes >= PIXELS && c.arena.bytes < 1.1 * PIXELS);
+    const double kept = (1.0 + sizeof(float) / 3.0) * PIXELS;  // with the smaller copies
+    assert_float_equal(images.asked, kept, 1.0);
+    assert_in_range(images.needed, kept + 3.0 * PIXELS, kept + 3.1 * PIXELS);
+    arena_free(&c.arena);
+}
+
 static void bytes_become_linear(void **state) {
     (void)state;
     // Transparent pixels keep their colour; alpha is dropped.
@@ -435,6 +458,7 @@ static void large_images_are_missing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_channel_is_read),
+        cmocka_unit_test(one_channel_takes_its_memory),
         cmocka_unit_test(bytes_become_linear),
         cmocka_unit_test(textures_keep_bytes),
         cmocka_unit_test(exr_files_need_no_module),
