@@ -249,8 +249,7 @@ int app_animation_choose(const struct app_render_request *r, const satin_scene *
 
 // ---- Scenes -------------------------------------------------------------------------------------
 
-// The option that the arguments set; the scene's own is not known before it is read.
-static int64_t memory_of(const struct app_render_request *r) {
+int64_t app_animation_memory(const struct app_render_request *r) {
     satin_options options = satin_options_default;
     for (size_t i = 0; i < r->setting_count; i++)
         if (strcmp(r->setting[i].name, "memory") == 0)
@@ -270,7 +269,7 @@ static satin_status read_posed_scene(const struct app_render_request *r,
                                          .sensor = r->sensor,
                                          .poses = poses,
                                          .pose_count = animation->path.object_count,
-                                         .memory = memory_of(r) / scenes};
+                                         .memory = app_animation_memory(r) / scenes};
     return satin_scene_load_request(r->scene, &request, log.fn, log.user, scene);
 }
 

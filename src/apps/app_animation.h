@@ -22,6 +22,9 @@ int app_animation_choose(const struct app_render_request *r, const satin_scene *
                          struct app_animation *animation);
 void app_animation_free(struct app_animation *animation);
 
+// The limit of memory that the arguments set [bytes], 0 for none; the scene's own is not known
+// before it is read.
+int64_t app_animation_memory(const struct app_render_request *r);
 // Loads the scene of the request, with all objects at rest, and checks that they can move as they
 // do in the first frame that is rendered.
 satin_status app_animation_load(const struct app_render_request *r,

@@ -17,7 +17,7 @@ static const double THREAD_BYTES = 0.6e6, RAY_BYTES = 300.0;
 static const double WORK_LEAST = 9e6;
 // The least number of photon paths, if the options have as many.
 static const double PATHS_LEAST = 1000.0;
-// Adaptive caching has octrees of its own over all records.
+// Adaptive caching has octrees of its own over all records, when the sites are found.
 static const double ADAPTIVE_RECORDS = 2.0;
 // The fractions of what is not fixed.
 static const double FOR_THREADS = 0.25, FOR_PHOTONS = 0.65, FOR_PASSES = 0.75;
@@ -44,16 +44,26 @@ static double adapted_sites(const satin_options *o) {
     return PIXEL_SITES * o->width * o->height / (stride * stride);
 }
 
-// The sites of a block of pixels or, after it, of adaptive caching, and a batch of records.
-static double site_bytes(const satin_options *o) {
-    const double pixels = (double)o->width * (double)o->height, site = sizeof(struct fill_site);
-    const double traced = 4.0 * fmin(pixels, RENDER_TRACED_PIXELS),
-                 block = fmin(pixels, RENDER_BLOCK_PIXELS);
-    const double adapted = o->adaptive_cache ? adapted_sites(o) : 0.0;
+// The pixels whose sites are found, and a batch of records.
+static double batch_bytes(const satin_options *o) {
+    const double pixels = (double)o->width * (double)o->height;
+    const double block = fmin(pixels, RENDER_BLOCK_PIXELS);
     const double order = o->radiance_cache ? o->radiance_order : 0.0;
-    return 4.0 * pixels + traced * site +
-           fmax(PIXEL_SITES * block * site, adapted * (site + COMPARED_BYTES)) +
-           fmin(fmax(block / 128.0, 128.0), 1024.0) * order * order * 88.0;
+    return 4.0 * pixels + fmin(fmax(block / 128.0, 128.0), 1024.0) * order * order * 88.0;
+}
+
+// The sites of a block of pixels or, after it, of adaptive caching, beside those that are traced.
+static double found_bytes(const satin_options *o) {
+    const double pixels = (double)o->width * (double)o->height;
+    const double traced = 4.0 * fmin(pixels, RENDER_TRACED_PIXELS),
+                 block = PIXEL_SITES * fmin(pixels, RENDER_BLOCK_PIXELS);
+    const double adapted = o->adaptive_cache ? adapted_sites(o) : 0.0;
+    return batch_bytes(o) + (traced + fmax(block, adapted)) * sizeof(struct fill_site);
+}
+
+static double compared_bytes(const satin_options *o) {
+    if (!o->adaptive_cache) return 0.0;
+    return batch_bytes(o) + adapted_sites(o) * (sizeof(struct fill_site) + COMPARED_BYTES);
 }
 
 static double rays_of_hemisphere(const satin_options *o) {
@@ -109,7 +119,9 @@ satin_status render_memory_begin(struct render *r) {
     if (records && o->guide_visibility) m->visibility = guide_visibility_most(&r->scene);
     m->kept += m->visibility;
     const double sums = render_image_bytes(&r->scene, o, &r->callbacks) - film;
-    m->fixed = m->kept + fmax(sums, records ? site_bytes(o) : 0.0);
+    m->found = fmax(sums, records ? found_bytes(o) : 0.0);
+    m->compared = records ? compared_bytes(o) : 0.0;
+    m->fixed = m->kept + fmax(m->found, m->compared);
     const double work = render_has_stage(r, STAGE_PHOTONS) || records ? WORK_LEAST : 0.0;
     double least = m->fixed + fmax(m->thread / FOR_THREADS, work);
     // Where the sky is visible is learned if that fits.
@@ -118,7 +130,7 @@ satin_status render_memory_begin(struct render *r) {
         print_size(renders_at_once(r) * limit_needed(&r->scene.images, least), needed);
         o->guide_visibility = false;
         m->kept -= m->visibility;
-        m->fixed = m->kept + fmax(sums, records ? site_bytes(o) : 0.0);
+        m->fixed -= m->visibility;
         least -= m->visibility;
         m->visibility = 0.0;
         if (least <= m->limit && !missing)
@@ -232,21 +244,26 @@ void render_memory_grow(struct render *r, struct render_photon_counts *counts) {
     r->memory.photons = fmax(r->memory.photons, photons_bytes(r, counts));
 }
 
-// What is left of the memory of photons and records when the maps are built.
+// What photons and threads leave when the maps are built.
 static double bytes_left(const struct render *r) {
-    const double kept = stats_get(&r->stats, "photons.bytes") - r->memory.visibility;
-    return (1.0 - FOR_THREADS) * (r->memory.limit - r->memory.fixed) - fmax(kept, 0.0);
+    const struct render_memory *m = &r->memory;
+    const double kept = stats_get(&r->stats, "photons.bytes") - m->visibility;
+    return m->limit - m->kept - FOR_THREADS * (m->limit - m->fixed) - fmax(kept, 0.0);
 }
 
 void render_memory_limit_cache(const struct render *r, struct cache *cache, int caches) {
-    if (r->memory.limit > 0.0)
-        cache_limit(cache, fmax(bytes_left(r) / record_copies(r) / caches, 1.0));
+    const struct render_memory *m = &r->memory;
+    if (m->limit == 0.0) return;
+    const double left = bytes_left(r);
+    const double records = fmin(left - m->found, (left - m->compared) / record_copies(r));
+    cache_limit(cache, fmax(records / caches, 1.0));
 }
 
 size_t render_memory_adapted(const struct render *r) {
     if (r->memory.limit == 0.0) return SIZE_MAX;
     // Half of what photons and records leave; the other half is for further records.
-    const double rest = bytes_left(r) - record_copies(r) * cache_bytes(r->second_pass.cache);
+    const double rest =
+        bytes_left(r) - r->memory.compared - record_copies(r) * cache_bytes(r->second_pass.cache);
     const double more = 0.5 * fmax(rest, 0.0) / (sizeof(struct fill_site) + COMPARED_BYTES);
     return (size_t)ceil(adapted_sites(&r->options) + more);
 }
@@ -260,7 +277,8 @@ void render_memory_end(struct render *r) {
     const double photons = render_steps(r)->passes
                                ? m->photons
                                : fmax(stats_get(&r->stats, "photons.bytes") - m->visibility, 0.0);
-    const double later = m->fixed - m->kept + record_copies(r) * records + photons;
+    const double later =
+        fmax(m->found + records, m->compared + record_copies(r) * records) + photons;
     if (cache && cache_full(cache))
         log_message(limit_log(r), SATIN_LOG_WARNING,
                     "option memory: no records beyond %zu; where they are missing, samples gather",

@@ -18,7 +18,9 @@ struct render;
 struct render_memory {
     double limit;       // of the options
     double kept;        // program, scene, film, what is visible of the lights
-    double fixed;       // that, and the sites of the records or the sums of the pixels
+    double found;       // sites of records while they are found, or the sums of the pixels
+    double compared;    // sites while adaptive caching compares the records at them
+    double fixed;       // what is kept and the larger one of these
     double thread;      // of each thread
     double visibility;  // of the lights; it is part of `kept`
     double photons;     // of making the maps, at the most
