@@ -10,11 +10,8 @@
 
 #include "base/array.h"
 #include "base/wide.h"
-#include "render/render_image.h"
+#include "render/render_noise_tile.h"
 
-// Pixels up to SEARCH away are compared by the squares of 2 * PATCH + 1 pixels around both. For
-// these and the other constants see docs/experiments/denoising.md.
-enum { SEARCH = 5, PATCH = 2 };
 // Differences are counted in units, in the mean over channels: that of light is one if its square
 // is as large as the variance of both pixels beyond what their noise explains; and those of
 // surfaces are one if the squared distance of normals, or the squared difference of albedos over
@@ -30,254 +27,9 @@ static const float EXPLAINED = 2.0f;
 static const float NOISIER_MOST = 100.0f;
 // From this many units on pixels have nothing in common.
 static const float UNITS_MOST = 4.0f;
-// Irradiance is light over albedo, which is at least this.
-static const float ALBEDO_LEAST = 0.02f;
-
-enum {
-    HALVES = 2,
-    TILE = 64,                    // pixels that are filtered together, in each direction
-    MARGIN = SEARCH + PATCH + 3,  // three for the variance
-    EXTENT = TILE + 2 * MARGIN,   // pixels that are read for a tile
-    PIXELS_READ = EXTENT * EXTENT,
-    COMPARED = TILE + 2 * PATCH,  // pixels that are compared for one offset
-    PATCH_SIDE = 2 * PATCH + 1
-};
-
-// One half of the samples: planes of EXTENT rows.
-struct half_plane {
-    float light[NOISY_LAYERS][3][PIXELS_READ];  // weighted sums over the albedo
-    float weight[NOISY_LAYERS][PIXELS_READ];    // of the samples that have such light
-    float E[3][PIXELS_READ];                    // the mean
-    float variance[3][PIXELS_READ];
-};
-
-struct noise_tile {
-    struct half_plane half[HALVES];
-    float albedo[3][PIXELS_READ], normal[3][PIXELS_READ];
-    float inverse[PIXELS_READ];                        // of the distance; 0: no surface
-    float slope_x[PIXELS_READ], slope_y[PIXELS_READ];  // its change from pixel to pixel
-    bool has[NOISY_LAYERS];               // whether some pixel has samples of the layer
-    bool sampled[PIXELS_READ], complete;  // whether a pixel has samples, and whether all have
-    // The variance of one unit of weight in one channel, by single pixels and by 3 x 3 pixels.
-    float spread[PIXELS_READ], around[PIXELS_READ];
-    // The pixels that are filtered, row by row: how far surfaces differ, and weighted sums over
-    // what is similar.
-    float surface[TILE * TILE], sum[NOISY_LAYERS][3][TILE * TILE];
-    float weight[NOISY_LAYERS][TILE * TILE];
-    float difference[COMPARED * COMPARED];
-    float row[COMPARED * TILE];  // sums of PATCH_SIDE of these
-};
 
 bool render_noise_filter_on(const satin_options *o) {
     return o->noise_filter && o->integrator == SATIN_TWO_PASS && !o->denoise;
-}
-
-// ---- What is compared ---------------------------------------------------------------------------
-
-static rgb mean_albedo(const struct image_noisy *noisy, float scale) {
-    const rgb albedo = rgb_scale(noisy->shown.albedo, scale);
-    return rgb_make(maxf(albedo.r, ALBEDO_LEAST), maxf(albedo.g, ALBEDO_LEAST),
-                    maxf(albedo.b, ALBEDO_LEAST));
-}
-
-// The sum of a layer over all samples.
-static rgb sum_of(const struct render_image *image, size_t at, enum noisy_layer layer) {
-    return layer == NOISY_DIRECT ? image->pixel[at].layer[SHADE_DIRECT]
-                                 : image->noisy_light[at].glossy;
-}
-
-static float weight_of(const struct render_image *image, size_t at, enum noisy_layer layer) {
-    return layer == NOISY_DIRECT ? image->pixel[at].weight : image->noisy_light[at].sampled;
-}
-
-static void read_half(struct half_plane *half, size_t i, enum noisy_layer layer, rgb light,
-                      rgb albedo) {
-    const bool usable = half->weight[layer][i] > 0.0f;
-    half->light[layer][0][i] = usable ? light.r / albedo.r : 0.0f;
-    half->light[layer][1][i] = usable ? light.g / albedo.g : 0.0f;
-    half->light[layer][2][i] = usable ? light.b / albedo.b : 0.0f;
-}
-
-// `first`: the half that gets the even samples.
-static void read_pixel(struct noise_tile *t, size_t i, const struct render_image *image, size_t at,
-                       int first) {
-    const struct image_pixel *p = &image->pixel[at];
-    const struct image_noisy *noisy = &image->noisy_light[at];
-    const float scale = render_image_scale(p);
-    const rgb albedo = mean_albedo(noisy, scale), *n = &noisy->shown.normal;
-    const float odd_weight[NOISY_LAYERS] = {noisy->weight, noisy->odd_sampled};
-    for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++) {
-        const rgb odd = noisy->odd[layer];
-        const float all = weight_of(image, at, layer);
-        struct half_plane *even_half = &t->half[first], *odd_half = &t->half[1 - first];
-        even_half->weight[layer][i] = maxf(all - odd_weight[layer], 0.0f);
-        odd_half->weight[layer][i] = maxf(odd_weight[layer], 0.0f);
-        if (all != 0.0f) t->has[layer] = true;
-        read_half(even_half, i, layer, rgb_sub(sum_of(image, at, layer), odd), albedo);
-        read_half(odd_half, i, layer, odd, albedo);
-    }
-    t->albedo[0][i] = albedo.r;
-    t->albedo[1][i] = albedo.g;
-    t->albedo[2][i] = albedo.b;
-    t->normal[0][i] = n->r * scale;
-    t->normal[1][i] = n->g * scale;
-    t->normal[2][i] = n->b * scale;
-    const float distance = noisy->shown.depth * scale;
-    t->inverse[i] = distance > FLT_MIN ? 1.0f / distance : 0.0f;
-}
-
-static int clamp_to(int x, int end) { return x < 0 ? 0 : x < end ? x : end - 1; }
-
-// Whether all pixels that are read have samples. Beyond the image its border goes on.
-static bool is_complete(const struct render_image *image, int x0, int y0) {
-    for (int y = 0; y < EXTENT; y++)
-        for (int x = 0; x < EXTENT; x++) {
-            const int from_x = clamp_to(x0 + x - MARGIN, image->width),
-                      from_y = clamp_to(y0 + y - MARGIN, image->height);
-            if (!image->pixel[(size_t)from_y * (size_t)image->width + (size_t)from_x].samples)
-                return false;
-        }
-    return true;
-}
-
-// The first samples of neighbours are in different halves (render_noise_add). Those of a coarser
-// grid would all be in one: by all bits of the columns and rows they alternate there, too.
-static int first_half(int x, int y) { return __builtin_parity((unsigned)(x ^ y) >> 1); }
-
-// A pixel without samples looks like the one whose values it shows.
-static void read_tile(struct noise_tile *t, const struct render_image *image, int x0, int y0) {
-    memset(t->has, 0, sizeof t->has);
-    t->complete = is_complete(image, x0, y0);
-    for (int y = 0; y < EXTENT; y++)
-        for (int x = 0; x < EXTENT; x++) {
-            const int from_x = clamp_to(x0 + x - MARGIN, image->width),
-                      from_y = clamp_to(y0 + y - MARGIN, image->height);
-            const size_t i = (size_t)(y * EXTENT + x),
-                         at = (size_t)from_y * (size_t)image->width + (size_t)from_x;
-            t->sampled[i] = image->pixel[at].samples > 0;
-            const struct image_pixel *shown =
-                t->sampled[i] ? &image->pixel[at] : render_image_source(image, from_x, from_y);
-            const size_t from = shown ? (size_t)(shown - image->pixel) : at;
-            const int column = (int)(from % (size_t)image->width),
-                      row = (int)(from / (size_t)image->width);
-            read_pixel(t, i, image, from, t->complete ? 0 : first_half(column, row));
-        }
-}
-
-// Leaves the light of pixels that have samples.
-static void drop_unsampled(struct noise_tile *t) {
-    for (size_t i = 0; i < PIXELS_READ; i++) {
-        if (t->sampled[i]) continue;
-        for (int h = 0; h < HALVES; h++)
-            for (int layer = 0; layer < NOISY_LAYERS; layer++) {
-                t->half[h].weight[layer][i] = 0.0f;
-                for (int c = 0; c < 3; c++) t->half[h].light[layer][c][i] = 0.0f;
-            }
-    }
-}
-
-// The smaller one of the changes to both sides, as one of them may cross an edge.
-static float distance_slope(const float *inverse, int step) {
-    const float before = inverse[0] - inverse[-step], after = inverse[step] - inverse[0];
-    return fabsf(before) < fabsf(after) ? before : after;
-}
-
-static void set_slopes(struct noise_tile *t) {
-    for (int y = 1; y < EXTENT - 1; y++)
-        for (int i = y * EXTENT + 1; i < (y + 1) * EXTENT - 1; i++) {
-            t->slope_x[i] = distance_slope(&t->inverse[i], 1);
-            t->slope_y[i] = distance_slope(&t->inverse[i], EXTENT);
-        }
-}
-
-// Gloss of the samples that have some, beside direct light.
-static float mean_of_channel(const struct half_plane *half, int c, size_t i) {
-    const float sampled = half->weight[NOISY_GLOSSY][i];
-    return half->light[NOISY_DIRECT][c][i] / half->weight[NOISY_DIRECT][i] +
-           (sampled > 0.0f ? half->light[NOISY_GLOSSY][c][i] / sampled : 0.0f);
-}
-
-// The mean of a pixel without samples in this half is that of its neighbours or, as the last
-// resort, of the other half.
-static float mean_beside(const struct half_plane *half, const struct half_plane *other, int c,
-                         size_t i) {
-    const size_t around[4] = {i - 1, i + 1, i - EXTENT, i + EXTENT};
-    float sum = 0.0f, weight = 0.0f;
-    for (int k = 0; k < 4; k++) {
-        const float beside = half->weight[NOISY_DIRECT][around[k]];
-        if (beside > 0.0f) sum += beside * mean_of_channel(half, c, around[k]);
-        weight += beside;
-    }
-    if (weight > 0.0f) return sum / weight;
-    return other->weight[NOISY_DIRECT][i] > 0.0f ? mean_of_channel(other, c, i) : 0.0f;
-}
-
-static void set_means(struct half_plane *half, const struct half_plane *other, int c) {
-    for (int y = 1; y < EXTENT - 1; y++)
-        for (size_t i = (size_t)(y * EXTENT + 1); i < (size_t)((y + 1) * EXTENT - 1); i++)
-            half->E[c][i] = half->weight[NOISY_DIRECT][i] > 0.0f ? mean_of_channel(half, c, i)
-                                                                 : mean_beside(half, other, c, i);
-}
-
-// Whether the mean of a half comes from its own samples, there or beside.
-static bool has_mean(const struct half_plane *half, size_t i) {
-    const float *weight = &half->weight[NOISY_DIRECT][i];
-    return *weight > 0.0f || weight[-1] > 0.0f || weight[1] > 0.0f || weight[-EXTENT] > 0.0f ||
-           weight[EXTENT] > 0.0f;
-}
-
-// The variance of one unit of weight is known by how far both halves differ. A half without samples
-// counts like one sample. It is UNKNOWN amid the pixels that show one of a coarser grid, where the
-// halves would not differ.
-static const float UNKNOWN = -1.0f;
-
-static void set_spread(struct noise_tile *t, int c) {
-    const struct half_plane *a = &t->half[0], *b = &t->half[1];
-    for (int y = 1; y < EXTENT - 1; y++)
-        for (int i = y * EXTENT + 1; i < (y + 1) * EXTENT - 1; i++) {
-            const float of_a =
-                            a->weight[NOISY_DIRECT][i] > 0.0f ? a->weight[NOISY_DIRECT][i] : 1.0f,
-                        of_b =
-                            b->weight[NOISY_DIRECT][i] > 0.0f ? b->weight[NOISY_DIRECT][i] : 1.0f;
-            t->spread[i] = sqrf(a->E[c][i] - b->E[c][i]) * (of_a * of_b / (of_a + of_b));
-            if (!t->complete && !(has_mean(a, (size_t)i) && has_mean(b, (size_t)i)))
-                t->spread[i] = UNKNOWN;
-        }
-}
-
-static void set_around(struct noise_tile *t) {
-    for (int y = 2; y < EXTENT - 2; y++)
-        for (int i = y * EXTENT + 2; i < (y + 1) * EXTENT - 2; i++) {
-            float sum = 0.0f, count = 0.0f;
-            for (int row = -EXTENT; row <= EXTENT; row += EXTENT)
-                for (int column = -1; column <= 1; column++) {
-                    const float spread = t->spread[i + row + column];
-                    sum += spread < 0.0f ? 0.0f : spread;
-                    count += spread < 0.0f ? 0.0f : 1.0f;
-                }
-            t->around[i] = count > 0.0f ? sum / count : UNKNOWN;
-        }
-}
-
-// Two values alone say little, so the variance is that of 3 x 3 pixels: of those with the pixel in
-// the middle or at a corner the quietest. What is quiet beside a noisy highlight then stays so.
-// Where none is known, noise is as large as the light.
-static void set_variances(struct noise_tile *t, int c) {
-    static const int corner[4] = {-EXTENT - 1, -EXTENT + 1, EXTENT - 1, EXTENT + 1};
-    set_around(t);
-    for (int y = 3; y < EXTENT - 3; y++)
-        for (int i = y * EXTENT + 3; i < (y + 1) * EXTENT - 3; i++) {
-            float least = t->around[i] < 0.0f ? INFINITY : t->around[i];
-            for (int k = 0; k < 4; k++) {
-                const float there = t->around[i + corner[k]];
-                least = there < 0.0f ? least : minf(least, there);
-            }
-            if (!(least < INFINITY)) least = sqrf(t->half[0].E[c][i]);
-            for (int h = 0; h < HALVES; h++) {
-                const float weight = t->half[h].weight[NOISY_DIRECT][i];
-                t->half[h].variance[c][i] = least / (weight > 0.0f ? weight : 1.0f);
-            }
-        }
 }
 
 // ---- Pixels that look the same ------------------------------------------------------------------
@@ -397,29 +149,35 @@ WIDE static void add_similar(struct noise_tile *t, const struct half_plane *half
 
 // ---- Tiles --------------------------------------------------------------------------------------
 
-static rgb change_of(const struct noise_tile *t, const struct render_image *image, int i, size_t at,
-                     enum noisy_layer layer) {
-    const struct image_pixel *p = &image->pixel[at];
-    if (!p->samples || !(t->weight[layer][i] > 0.0f)) return rgb_grey(0.0f);
-    const float(*sum)[TILE * TILE] = t->sum[layer];
-    const float fraction = weight_of(image, at, layer) * render_image_scale(p);
-    const rgb E =
-        rgb_scale(rgb_make(sum[0][i], sum[1][i], sum[2][i]), fraction / t->weight[layer][i]);
-    const rgb own = rgb_scale(sum_of(image, at, layer), render_image_scale(p));
-    const rgb change =
-        rgb_sub(rgb_mul(E, mean_albedo(&image->noisy_light[at], render_image_scale(p))), own);
-    return rgb_finite(change) ? change : rgb_grey(0.0f);
+static bool has_samples(const struct render_image *image, int x, int y) {
+    return x >= 0 && y >= 0 && x < image->width && y < image->height &&
+           image->pixel[(size_t)y * (size_t)image->width + (size_t)x].samples > 0;
 }
 
-static void filter_tile(struct noise_tile *t, struct render_image *image, int x0, int y0) {
-    read_tile(t, image, x0, y0);
-    set_slopes(t);
-    for (int c = 0; c < 3; c++) {
-        for (int h = 0; h < HALVES; h++) set_means(&t->half[h], &t->half[1 - h], c);
-        set_spread(t, c);
-        set_variances(t, c);
+// The stride of the finest grid on which a pixel has a neighbour with samples.
+static int stride_around(const struct render_image *image, int x, int y) {
+    int stride = 1;
+    while (stride < image->coarsest && !((x | y) & stride) && !has_samples(image, x - stride, y) &&
+           !has_samples(image, x + stride, y) && !has_samples(image, x, y - stride) &&
+           !has_samples(image, x, y + stride))
+        stride *= 2;
+    return stride;
+}
+
+// Finds the pixels of a tile that have samples and of which this is the finest grid.
+static bool find_finest_pixels(struct noise_tile *t, const struct noise_grid *g, int x0, int y0) {
+    bool any = false;
+    for (int i = 0; i < TILE * TILE; i++) {
+        const int x = (x0 + i % TILE) * g->stride, y = (y0 + i / TILE) * g->stride;
+        t->filtered[i] = has_samples(g->image, x, y) && stride_around(g->image, x, y) == g->stride;
+        any = any || t->filtered[i];
     }
-    if (!t->complete) drop_unsampled(t);
+    return any;
+}
+
+static void filter_tile(struct noise_tile *t, const struct noise_grid *g, int x0, int y0) {
+    if (!find_finest_pixels(t, g, x0, y0)) return;
+    render_noise_tile_read(t, g, x0, y0);
     memset(t->sum, 0, sizeof t->sum);
     memset(t->weight, 0, sizeof t->weight);
     for (int dy = -SEARCH; dy <= SEARCH; dy++)
@@ -431,21 +189,20 @@ static void filter_tile(struct noise_tile *t, struct render_image *image, int x0
             for (int h = 0; h < HALVES; h++) {
                 compare_light(t, &t->half[1 - h], offset);
                 sum_patch_rows(t);
-                add_similar(t, &t->half[h], offset, range_inside(y0, dy, image->height),
-                            range_inside(x0, dx, image->width), near);
+                add_similar(t, &t->half[h], offset, range_inside(y0, dy, g->height),
+                            range_inside(x0, dx, g->width), near);
             }
         }
-    for (int y = y0; y < y0 + TILE && y < image->height; y++)
-        for (int x = x0; x < x0 + TILE && x < image->width; x++) {
-            const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-            for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++)
-                image->change[at].layer[layer] =
-                    change_of(t, image, (y - y0) * TILE + x - x0, at, layer);
-        }
+    for (int i = 0; i < TILE * TILE; i++) {
+        if (!t->filtered[i]) continue;
+        const size_t at = render_noise_grid_pixel(g, x0 + i % TILE, y0 + i / TILE);
+        for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++)
+            g->image->change[at].layer[layer] = render_noise_tile_change(t, g->image, i, at, layer);
+    }
 }
 
 struct noise_filter {
-    struct render_image *image;
+    struct noise_grid grid;
     struct noise_tile *tile;  // one for each worker
     size_t columns;
 };
@@ -453,17 +210,28 @@ struct noise_filter {
 static void filter_tiles(void *ctx, size_t begin, size_t end, int worker) {
     const struct noise_filter *f = ctx;
     for (size_t i = begin; i < end; i++)
-        filter_tile(&f->tile[worker], f->image, (int)(i % f->columns) * TILE,
+        filter_tile(&f->tile[worker], &f->grid, (int)(i % f->columns) * TILE,
                     (int)(i / f->columns) * TILE);
 }
 
+static struct noise_grid grid_of(struct render_image *image, int stride) {
+    return (struct noise_grid){image, stride, (image->width - 1) / stride + 1,
+                               (image->height - 1) / stride + 1};
+}
+
+// Pixels whose neighbours have no samples are filtered on the grid on which these have some.
 bool render_noise_change(struct render_image *image, struct parallel *pool) {
-    struct noise_filter f = {.image = image, .columns = ((size_t)image->width + TILE - 1) / TILE};
-    const size_t rows = ((size_t)image->height + TILE - 1) / TILE;
-    f.tile = array_new((size_t)parallel_threads(pool), sizeof *f.tile);
-    if (!f.tile) return false;
-    parallel_for_all(pool, f.columns * rows, 1, filter_tiles, &f);
-    free(f.tile);
+    struct noise_tile *tile = array_new((size_t)parallel_threads(pool), sizeof *tile);
+    if (!tile) return false;
+    memset(image->change, 0, render_pixel_count(image) * sizeof *image->change);
+    for (int stride = 1; stride == 1 || stride <= image->coarsest; stride *= 2) {
+        const struct noise_grid grid = grid_of(image, stride);
+        const size_t columns = ((size_t)grid.width + TILE - 1) / TILE,
+                     rows = ((size_t)grid.height + TILE - 1) / TILE;
+        struct noise_filter f = {grid, tile, columns};
+        parallel_for_all(pool, columns * rows, 1, filter_tiles, &f);
+    }
+    free(tile);
     return true;
 }
 
@@ -477,11 +245,13 @@ double render_noise_pixel_seconds(void) {
     }
     if (tile && trial && trial->pixel && render_noise_memory(trial)) {
         for (int i = 0; i < TILE * TILE; i++) {
+            trial->pixel[i].samples = 1;
             trial->pixel[i].weight = 1.0f;
             trial->noisy_light[i].sampled = 1.0f;
         }
+        const struct noise_grid grid = grid_of(trial, 1);
         const double start = stats_thread();
-        filter_tile(tile, trial, 0, 0);
+        filter_tile(tile, &grid, 0, 0);
         seconds = (stats_thread() - start) / (TILE * TILE);
     }
     render_image_free(trial);
