@@ -61,7 +61,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = cache_find_close(cache, CACHE_IRRADIANCE, at->p, at->n, a, near);
+    const int count = cache_find_to_read(cache, CACHE_IRRADIANCE, at->p, at->n, a, near);
     if (count == 0) return used;
     struct cache_taylor sum = {0};
     struct disagreement sums = {0};
@@ -132,7 +132,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     const float least = cache->options->gather_radius_ratio;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = cache_find_close(cache, CACHE_RADIANCE, at->p, at->n, a, near);
+    const int count = cache_find_to_read(cache, CACHE_RADIANCE, at->p, at->n, a, near);
     if (count == 0) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};

@@ -67,8 +67,10 @@ void cache_options_of(const satin_options *options, struct cache_options out[CAC
 // The records of one kind.
 struct cache_store {
     struct cache_options options;
-    bool filled;  // whether records of this kind are made
-    int order;    // order of the harmonics of its records; 0: irradiance records, or there are none
+    float widest_a;  // largest accuracy at which points near few records read them; 0: all points
+                     // read them at the accuracy they ask for
+    bool filled;     // whether records of this kind are made
+    int order;  // order of the harmonics of its records; 0: irradiance records, or there are none
     struct cache_tree tree;
     union {  // the array of the records, in the order of the tree's heads
         void *record;
@@ -115,6 +117,9 @@ bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 
 
 // ---- Records for a point (cache_find.c) ---------------------------------------------------------
 
+// The largest factor of an accuracy by which points near few records read them. Measured in
+// docs/experiments/record-placement.md.
+#define CACHE_WIDER 1.5f
 // A record's number of rays over that of the options, in (0, 1]: 1 if it has more, as those that
 // were gathered again, or if the options ask for a noise, by which numbers of rays are chosen.
 float cache_rays_fraction(const struct cache *cache, enum cache_kind kind, size_t record);
@@ -122,9 +127,10 @@ float cache_rays_fraction(const struct cache *cache, enum cache_kind kind, size_
 // multiplied by the fractions of rays, as variance is the inverse of their number.
 int cache_find(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]);
-// For reading: where records are dense, only those close by.
-int cache_find_close(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
-                     struct cache_near near[CACHE_NEAR_MAX]);
+// For reading: where records are dense, only those close by; where they are few and the store's
+// widest_a is larger than a, also those farther away.
+int cache_find_to_read(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
+                       struct cache_near near[CACHE_NEAR_MAX]);
 
 // ---- Validity (cache_valid.c): finite, and distances, radii and scales in their ranges ----------
 

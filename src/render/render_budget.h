@@ -175,6 +175,8 @@ float render_budget_least_radius(float factor);
 float render_budget_rays_least(bool covering);
 // The largest factor of a at which records may be read by the image pass.
 float render_budget_largest_factor(const satin_options *options);
+// The factor of a at which records must still be found: points near few records read them at it.
+float render_budget_search_factor(const satin_options *options);
 
 // The seconds that the first round may still take.
 double render_budget_first_round(const struct render *r);

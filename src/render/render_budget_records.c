@@ -67,6 +67,11 @@ float render_budget_largest_factor(const satin_options *o) {
     return o->time > 0.0 ? fmaxf(factor, GIVEN_FACTORS[0]) : factor;
 }
 
+float render_budget_search_factor(const satin_options *o) {
+    const float factor = render_budget_largest_factor(o);
+    return o->time > 0.0 ? CACHE_WIDER * factor : factor;
+}
+
 // The finest factor w of a for a least radius of `min_pixels` at a: the least radius falls as w,
 // and so the least width of a record as w^2.
 static float finest_factor(float min_pixels) {

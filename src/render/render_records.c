@@ -43,7 +43,7 @@ static struct fill_sites sites_to_cover(const struct record_rounds *rounds,
         .site = rounds->sites.site,
         .count = rounds->sites.count,
         .a = rounds->r->second_pass.cache->store[kind].options.a * level->factor.of[kind],
-        .factor_max = render_budget_largest_factor(o),
+        .factor_max = render_budget_search_factor(o),
         .spacing = 1.5f * (float)level->stride,
         .rays_least = level->rays_least};
 }
@@ -178,6 +178,14 @@ static void read_at(struct render *r, struct render_factors factor) {
         reader->a[k] = reader->options[k].a * factor.of[k];
 }
 
+// Lets points near few records read them at the largest accuracy at which they are found.
+static void read_few_wider(struct render *r) {
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+        struct cache_store *store = &r->second_pass.cache->store[k];
+        store->widest_a = store->options.a * render_budget_search_factor(&r->options);
+    }
+}
+
 // The factors for the image after the last round: widened, but not beyond those of the first one.
 // With 2 as the largest, as records of the second round then were, cornell-metal had 1.14 times the
 // error at 10 CPU seconds.
@@ -198,6 +206,7 @@ static satin_status cover_in_rounds(struct record_rounds *rounds) {
     const int count = render_budget_rounds(&r->options);
     render_limit_records(r, NULL);
     read_at(r, finished);
+    read_few_wider(r);
     const double start = stats_wall();
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         const struct render_factors factor = render_budget_round(&r->options, i);

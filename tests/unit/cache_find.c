@@ -152,6 +152,53 @@ static void close_records_leave_no_seam(void **state) {
     cache_find_stop(&f);
 }
 
+static int read_row(const struct cache_find_fixture *f, float x, rgb *E) {
+    const struct cache_lookup at = {
+        .p = v3(x, 0, 0), .n = v3(0, 0, 1), .frame = frame_from_normal(v3(0, 0, 1))};
+    return cache_irradiance(f->cache, &at, f->options.irradiance_a, E).count;
+}
+
+// Two records whose discs of a = .5 do not meet: at 1.5 times a they do, if the store allows it.
+// Where one of them has the weight of a half, it is read as before.
+static void few_records_are_read_wider(void **state) {
+    (void)state;
+    struct cache_find_fixture f;
+    cache_find_plate(&f, 0.0f);
+    add_record(&f, -0.55f, 0.0f, 1.0f, 1.0f, 500);
+    add_record(&f, 0.55f, 0.0f, 1.0f, 5.0f, 48);
+    rgb E;
+    assert_int_equal(read_row(&f, 0.0f, &E), 0);
+    f.cache->store[CACHE_IRRADIANCE].widest_a = 1.0f;
+    assert_int_equal(read_row(&f, 0.0f, &E), 2);
+    assert_float_equal(E.r, (1.0f + 0.1f * 5.0f) / 1.1f, 1e-4f);
+    assert_int_equal(read_row(&f, -0.31f, &E), 1);
+    assert_int_equal(read_row(&f, 1.29f, &E), 1);
+    assert_int_equal(read_row(&f, 1.31f, &E), 0);
+    f.cache->store[CACHE_IRRADIANCE].widest_a = 0.54f;
+    assert_int_equal(read_row(&f, 0.0f, &E), 0);
+    cache_find_stop(&f);
+}
+
+// Between them light passes from one to the other without a step.
+static void few_records_leave_no_seam(void **state) {
+    (void)state;
+    enum { STEPS = 1000 };
+    struct cache_find_fixture f;
+    cache_find_plate(&f, 0.0f);
+    add_record(&f, -0.55f, 0.0f, 1.0f, 1.0f, 500);
+    add_record(&f, 0.55f, 0.0f, 1.0f, 5.0f, 500);
+    f.cache->store[CACHE_IRRADIANCE].widest_a = 1.0f;
+    rgb E;
+    float before = 1.0f;
+    for (int i = 0; i <= STEPS; i++) {
+        assert_true(read_row(&f, 1.1f * (float)i / STEPS - 0.55f, &E) > 0);
+        assert_true(E.r >= before - 1e-5f && E.r - before < 0.03f);
+        before = E.r;
+    }
+    assert_float_equal(before, 5.0f, 1e-5f);
+    cache_find_stop(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_are_by_numbers_of_rays),
@@ -159,6 +206,8 @@ int main(void) {
         cmocka_unit_test(records_of_few_rays_do_not_cover),
         cmocka_unit_test(dense_records_are_read_closely),
         cmocka_unit_test(close_records_leave_no_seam),
+        cmocka_unit_test(few_records_are_read_wider),
+        cmocka_unit_test(few_records_leave_no_seam),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
