@@ -101,10 +101,9 @@ static int find_wider(const struct cache *cache, enum cache_kind kind, vec3 p, v
     note_errors(cache, kind, near, count, &records);
     struct near_records whole = as_if_whole(records);
     if (weight_at(&whole, 1.0f) >= THIN) return count;
-    const float widest = fminf(CACHE_WIDER * a, cache->store[kind].widest_a);
-    note_errors(cache, kind, near, cache_find(cache, kind, p, n, widest, near), &records);
+    note_errors(cache, kind, near, cache_find(cache, kind, p, n, CACHE_WIDER * a, near), &records);
     whole = as_if_whole(records);
-    const float fraction = fraction_for(&whole, THIN, a / widest, weight_at(&whole, 1.0f));
+    const float fraction = fraction_for(&whole, THIN, 1.0f / CACHE_WIDER, weight_at(&whole, 1.0f));
     return keep_at(&records, fraction, near);
 }
 
@@ -113,7 +112,7 @@ int cache_find_to_read(const struct cache *cache, enum cache_kind kind, vec3 p, 
     const int count = cache_find(cache, kind, p, n, a, near);
     float weight = 0.0f;
     for (int i = 0; i < count; i++) weight += near[i].weight;
-    if (weight < THIN && a < cache->store[kind].widest_a)
+    if (weight < THIN && cache->store[kind].widens)
         return find_wider(cache, kind, p, n, a, count, near);
     if (weight <= PLENTY) return count;
     struct near_records records;

@@ -67,10 +67,9 @@ void cache_options_of(const satin_options *options, struct cache_options out[CAC
 // The records of one kind.
 struct cache_store {
     struct cache_options options;
-    float widest_a;  // largest accuracy at which points near few records read them; 0: all points
-                     // read them at the accuracy they ask for
-    bool filled;     // whether records of this kind are made
-    int order;  // order of the harmonics of its records; 0: irradiance records, or there are none
+    bool widens;  // whether points near few records read them at a larger accuracy
+    bool filled;  // whether records of this kind are made
+    int order;    // order of the harmonics of its records; 0: irradiance records, or there are none
     struct cache_tree tree;
     union {  // the array of the records, in the order of the tree's heads
         void *record;
@@ -127,8 +126,8 @@ float cache_rays_fraction(const struct cache *cache, enum cache_kind kind, size_
 // multiplied by the fractions of rays, as variance is the inverse of their number.
 int cache_find(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]);
-// For reading: where records are dense, only those close by; where they are few and the store's
-// widest_a is larger than a, also those farther away.
+// For reading: where records are dense, only those close by; where they are few and the store
+// widens, also those farther away.
 int cache_find_to_read(const struct cache *cache, enum cache_kind kind, vec3 p, vec3 n, float a,
                        struct cache_near near[CACHE_NEAR_MAX]);
 

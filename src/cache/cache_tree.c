@@ -91,7 +91,9 @@ static bool cell_meets(const struct cache_head *h, vec3 centre, float size) {
     return fabsf(v3_dot(d, h->n)) <= SLAB * h->search_radius + extent;
 }
 
-bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
+// Lets all cells that record number `record` touches refer to it. False if there is no memory.
+static bool refer_to(struct cache_tree *tree, uint32_t record) {
+    const struct cache_head *head = &tree->head[record];
     int depth = depth_of(tree, head->search_radius);
     float size = ldexpf(tree->size, -depth);
     // The cells of that level, numbered from the root's corner, that intersect the sphere's box.
@@ -103,17 +105,13 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
         last[k] = (int)fminf(floorf((p[k] + head->search_radius) / size), (float)(most - 1));
     }
     enum { SPAN = 6 };  // 2 search_radius / size <= 4 except at the root, and a cell on either side
-    if (!array_reserve((void **)&tree->head, &tree->head_capacity, tree->head_count + 1,
-                       sizeof *tree->head) ||
-        !array_reserve((void **)&tree->node, &tree->node_capacity,
+    if (!array_reserve((void **)&tree->node, &tree->node_capacity,
                        tree->node_count + SPAN * SPAN * SPAN * (size_t)(depth + 1) + 1,
                        sizeof *tree->node) ||
         !array_reserve((void **)&tree->ref, &tree->ref_capacity,
                        tree->ref_count + SPAN * SPAN * SPAN, sizeof *tree->ref))
         return false;
     if (tree->node_count == 0) node_new(tree);
-    uint32_t record = (uint32_t)tree->head_count;
-    tree->head[tree->head_count++] = *head;
     for (int z = first[2]; z <= last[2]; z++)
         for (int y = first[1]; y <= last[1]; y++)
             for (int x = first[0]; x <= last[0]; x++) {
@@ -121,6 +119,34 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
                 centre = v3_add(tree->lo, centre);
                 if (cell_meets(head, centre, size)) add_reference(tree, centre, depth, record);
             }
+    return true;
+}
+
+bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
+    if (!array_reserve((void **)&tree->head, &tree->head_capacity, tree->head_count + 1,
+                       sizeof *tree->head))
+        return false;
+    tree->head[tree->head_count] = *head;
+    if (!refer_to(tree, (uint32_t)tree->head_count)) return false;
+    tree->head_count++;
+    return true;
+}
+
+// Lowers a record's search radius, and expresses its sectors by the new one.
+static void limit_search(struct cache_head *head, float radius) {
+    if (!(radius < head->search_radius)) return;
+    const float scale = head->search_radius / radius;
+    for (int i = 0; i < CACHE_SECTORS; i++)
+        head->sector[i] = (uint8_t)fminf(scale * head->sector[i], UINT8_MAX);
+    head->search_radius = radius;
+}
+
+bool cache_tree_limit(struct cache_tree *tree, float a) {
+    tree->node_count = tree->ref_count = 0;
+    for (size_t i = 0; i < tree->head_count; i++) {
+        limit_search(&tree->head[i], a * tree->head[i].R);
+        if (!refer_to(tree, (uint32_t)i)) return false;
+    }
     return true;
 }
 
@@ -144,6 +170,12 @@ float cache_tree_weight(const struct cache_head *h, vec3 p, vec3 n, float a) {
     return 1.0f - error / own;
 }
 
+// The weight of a record that the tree finds, which ends at its search radius at the latest.
+static float found_weight(const struct cache_head *h, vec3 p, vec3 n, float a) {
+    const float R = h->scale * h->R;
+    return cache_tree_weight(h, p, n, a * R > h->search_radius ? h->search_radius / R : a);
+}
+
 int cache_tree_find(const struct cache_tree *tree, vec3 p, vec3 n, float a,
                     struct cache_near near[CACHE_NEAR_MAX]) {
     if (tree->node_count == 0) return 0;
@@ -154,7 +186,7 @@ int cache_tree_find(const struct cache_tree *tree, vec3 p, vec3 n, float a,
     do {
         for (uint32_t i = tree->node[at].first; i; i = tree->ref[i - 1].next) {
             uint32_t record = tree->ref[i - 1].record;
-            float w = cache_tree_weight(&tree->head[record], p, n, a);
+            float w = found_weight(&tree->head[record], p, n, a);
             if (w > 0.0f && count < CACHE_NEAR_MAX) near[count++] = (struct cache_near){record, w};
         }
         at = tree->node[at].child[descend(p, &lo, &size)];
@@ -169,8 +201,7 @@ bool cache_tree_covered(const struct cache_tree *tree, vec3 p, vec3 n, float a) 
     uint32_t at = 0;
     do {
         for (uint32_t i = tree->node[at].first; i; i = tree->ref[i - 1].next)
-            if (cache_tree_weight(&tree->head[tree->ref[i - 1].record], p, n, a) > 0.0f)
-                return true;
+            if (found_weight(&tree->head[tree->ref[i - 1].record], p, n, a) > 0.0f) return true;
         at = tree->node[at].child[descend(p, &lo, &size)];
     } while (at);
     return false;

@@ -21,7 +21,8 @@ struct cache_head {
     float R;              // radius, as clamped; at accuracy a the record is used within a R, its
                           // influence radius
     vec3 n;               // shading normal
-    float search_radius;  // the tree finds the record within it: a R at the largest a in use
+    float search_radius;  // the tree finds the record within it, and it is not used beyond: a R at
+                          // the largest a in use
     vec3 anisotropy;  // makes the disc an ellipse: d^2 becomes d^2 + (d . anisotropy)^2; 0: a disc
     float scale;      // its own accuracy is this times a [K05 6.3], in (0, 1]
     vec3 u;           // tangent from which sectors are counted, about n
@@ -65,6 +66,9 @@ void cache_tree_free(struct cache_tree *tree);  // leaves all members zero, whic
 // Appends a record, whose index is the count before. False if there is no memory; then only the
 // capacity of the tree has changed.
 bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head);
+// Lowers the search radii to a R, so that queries at accuracies up to a find the same and take less
+// time. False if there is no memory: then the tree may only be freed.
+bool cache_tree_limit(struct cache_tree *tree, float a);
 // The error of a record at (p, n): d / R + sqrt(1 - n . n_i) [K05 (2.3)].
 float cache_tree_error(const struct cache_head *head, vec3 p, vec3 n);
 // The weight of a record at (p, n) [K05 (2.3)], in [0, 1], 0 if it is not in S. Deviation: 1 -

@@ -52,7 +52,7 @@ struct fill_sites {
     const struct fill_site *site;  // read only; NULL if count is 0
     size_t count;
     float a;           // > 0
-    float factor_max;  // records will be read at accuracies up to this times a of the options; >= 1
+    float factor_max;  // records will be read at accuracies up to this times a of the options; > 0
     float spacing;     // distance of sites in pixels; members of a batch are farther apart
     float rays_least;  // a record of less than this fraction of its rays covers nothing; 0: all do
     bool adapted;      // new records have the scale of the nearest one [K05 6.3.2]

@@ -15,7 +15,7 @@ static satin_status adapt_view(struct render *r, uint32_t view, const uint32_t *
         const struct fill_sites wanted = {.site = sites.site,
                                           .count = sites.count,
                                           .a = o->a,
-                                          .factor_max = render_budget_search_factor(&r->options),
+                                          .factor_max = render_budget_largest_factor(&r->options),
                                           .spacing = 1.5f};
         status = fill_adapt(r->second_pass.fill, k, &wanted, o->a * o->widen);
     }

@@ -166,6 +166,10 @@ struct render_factors {
 // The factors of a round of records with a time limit, which are not less than those of the next
 // round.
 struct render_factors render_budget_round(const satin_options *options, int round);
+// The factors of a at which the image may read the records of a round: if it is not finished, those
+// of the round before, widened. Points near few records, which the first two rounds may leave, read
+// theirs at CACHE_WIDER times that.
+struct render_factors render_budget_search(const satin_options *options, int round);
 // The number of rounds until the next one would not be finer.
 int render_budget_rounds(const satin_options *options);
 // The fraction of the options' least radius for records at this factor of a.
@@ -175,8 +179,6 @@ float render_budget_least_radius(float factor);
 float render_budget_rays_least(bool covering);
 // The largest factor of a at which records may be read by the image pass.
 float render_budget_largest_factor(const satin_options *options);
-// The factor of a at which records must still be found: points near few records read them at it.
-float render_budget_search_factor(const satin_options *options);
 
 // The seconds that the first round may still take.
 double render_budget_first_round(const struct render *r);

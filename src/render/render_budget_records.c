@@ -67,11 +67,6 @@ float render_budget_largest_factor(const satin_options *o) {
     return o->time > 0.0 ? fmaxf(factor, GIVEN_FACTORS[0]) : factor;
 }
 
-float render_budget_search_factor(const satin_options *o) {
-    const float factor = render_budget_largest_factor(o);
-    return o->time > 0.0 ? CACHE_WIDER * factor : factor;
-}
-
 // The finest factor w of a for a least radius of `min_pixels` at a: the least radius falls as w,
 // and so the least width of a record as w^2.
 static float finest_factor(float min_pixels) {
@@ -85,6 +80,15 @@ struct render_factors render_budget_round(const satin_options *o, int round) {
                                     : GIVEN_FACTORS[GIVEN_ROUNDS - 1] * powf(FINER, (float)finer);
     return (struct render_factors){{fmaxf(factor, finest_factor(o->irradiance_min_pixels)),
                                     fmaxf(factor, finest_factor(o->radiance_min_pixels))}};
+}
+
+struct render_factors render_budget_search(const satin_options *o, int round) {
+    const float most = render_budget_largest_factor(o);
+    if (!(o->time > 0.0)) return (struct render_factors){{most, most}};
+    if (round < 2) return (struct render_factors){{CACHE_WIDER * most, CACHE_WIDER * most}};
+    const struct render_factors before = render_budget_round(o, round - 1);
+    return (struct render_factors){{fminf(before.of[CACHE_IRRADIANCE] * o->irradiance_widen, most),
+                                    fminf(before.of[CACHE_RADIANCE] * o->radiance_widen, most)}};
 }
 
 int render_budget_rounds(const satin_options *o) {

@@ -53,7 +53,7 @@ static char *deciding_options(const struct render *r) {
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
     options_print_words(out, &r->options, affects_records);
-    fprintf(out, " widest=%g", (double)render_budget_search_factor(&r->options));
+    fprintf(out, " widest=%g", (double)render_budget_largest_factor(&r->options));
     if (fclose(out) == 0) return text;
     free(text);
     return NULL;

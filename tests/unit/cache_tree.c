@@ -84,6 +84,67 @@ static void records_in_front_of_a_point_are_rejected(void **state) {
     cache_tree_free(&tree);
 }
 
+// At a larger accuracy than it was made for, a record's weight still falls to 0 at the search
+// radius.
+static void weights_end_at_the_search_radius(void **state) {
+    (void)state;
+    struct cache_tree tree;
+    cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
+    const struct cache_head head = {
+        .p = v3(0, 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .search_radius = 0.5f, .scale = 1.0f};
+    assert_true(cache_tree_insert(&tree, &head));
+    struct cache_near near[CACHE_NEAR_MAX];
+    assert_int_equal(cache_tree_find(&tree, v3(0.3f, 0, 0), v3(0, 0, 1), 0.4f, near), 1);
+    assert_float_equal(near[0].weight, 0.25f, 1e-5f);
+    assert_int_equal(cache_tree_find(&tree, v3(0.49f, 0, 0), v3(0, 0, 1), 0.8f, near), 1);
+    assert_float_equal(near[0].weight, 0.02f, 1e-5f);
+    assert_false(cache_tree_covered(&tree, v3(0.51f, 0, 0), v3(0, 0, 1), 0.8f));
+    cache_tree_free(&tree);
+}
+
+// Limits lower the search radii, the distances that sectors serve stay, and nothing changes in
+// queries at smaller accuracies.
+static void limits_change_no_query_below_them(void **state) {
+    (void)state;
+    struct cache_tree whole, limited;
+    cache_tree_init(&whole, v3(0, 0, 0), v3(1, 2, 0.2f));
+    cache_tree_init(&limited, v3(0, 0, 0), v3(1, 2, 0.2f));
+    struct rng rng = rng_make(9, RNG_TEST, 0);
+    for (int i = 0; i < RECORDS; i++) {
+        struct cache_head head = random_head(&rng, 0.8f);
+        head.sector[0] = 50;
+        head.sector[1] = 127;
+        head.sector[2] = UINT8_MAX;
+        assert_true(cache_tree_insert(&whole, &head) && cache_tree_insert(&limited, &head));
+    }
+    assert_true(cache_tree_limit(&limited, 0.4f));
+    assert_int_equal(limited.head_count, RECORDS);
+    assert_true(limited.ref_count > 0 && limited.node_count > 0);
+    for (int i = 0; i < RECORDS; i++) {
+        const struct cache_head *head = &limited.head[i];
+        assert_float_equal(head->search_radius, 0.4f * head->R, 1e-6f);
+        assert_in_range(head->sector[0], 99, 100);
+        assert_in_range(head->sector[1], 253, 254);
+        assert_int_equal(head->sector[2], UINT8_MAX);
+    }
+    size_t sum = 0;
+    for (int i = 0; i < QUERIES; i++) {
+        const vec3 p = cache_tree_random_point(&rng), n = v3(0, 0, 1);
+        struct cache_near of_whole[CACHE_NEAR_MAX], of_limited[CACHE_NEAR_MAX];
+        const int count = cache_tree_find(&whole, p, n, 0.3f, of_whole);
+        assert_int_equal(cache_tree_find(&limited, p, n, 0.3f, of_limited), count);
+        if (count == CACHE_NEAR_MAX) continue;
+        double weight = 0.0;
+        for (int k = 0; k < count; k++)
+            weight += (double)of_whole[k].weight - (double)of_limited[k].weight;
+        assert_true(fabs(weight) < 1e-5);
+        sum += (size_t)count;
+    }
+    assert_true(sum > QUERIES);
+    cache_tree_free(&whole);
+    cache_tree_free(&limited);
+}
+
 struct visited {
     bool in[RECORDS];
 };
@@ -184,6 +245,8 @@ int main(void) {
         cmocka_unit_test(the_nearest_record_is_on_the_same_side_and_layer),
         cmocka_unit_test(queries_find_exactly_the_set_S),
         cmocka_unit_test(records_in_front_of_a_point_are_rejected),
+        cmocka_unit_test(weights_end_at_the_search_radius),
+        cmocka_unit_test(limits_change_no_query_below_them),
         cmocka_unit_test(every_sphere_that_intersects_the_ball_is_visited),
         cmocka_unit_test(an_empty_tree_covers_nothing),
     };

@@ -157,6 +157,31 @@ static void the_last_records_are_half_a_pixel_wide(void **state) {
     assert_true(render_budget_least_radius(2.5f) == 1.0f);
 }
 
+// The search has the factors of a round, or those of the finished one before it, widened. It never
+// grows.
+static void records_are_found_where_they_are_read(void **state) {
+    (void)state;
+    satin_options o = options_of(SATIN_PREVIEW);
+    o.irradiance_widen = 2.0f;
+    o.radiance_widen = 1.2f;
+    const float first = render_budget_search(&o, 0).of[CACHE_IRRADIANCE];
+    assert_true(first == CACHE_WIDER * render_budget_largest_factor(&o));
+    for (int i = 1; i < render_budget_rounds(&o); i++) {
+        const struct render_factors found = render_budget_search(&o, i);
+        const struct render_factors finished = render_budget_round(&o, i - 1);
+        const float widen[CACHE_KINDS] = {o.irradiance_widen, o.radiance_widen};
+        for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+            const float most = render_budget_largest_factor(&o);
+            assert_true(found.of[k] >= fminf(finished.of[k] * widen[k], most));
+            assert_true(found.of[k] >= render_budget_round(&o, i).of[k]);
+            assert_true(found.of[k] <= render_budget_search(&o, i - 1).of[k]);
+        }
+    }
+    assert_true(render_budget_search(&o, 5).of[CACHE_IRRADIANCE] < 0.5f * first);
+    o.time = 0.0;
+    assert_true(render_budget_search(&o, 0).of[CACHE_RADIANCE] == 2.0f);
+}
+
 static void no_record_is_read_wider_than_it_may_be(void **state) {
     (void)state;
     satin_options o = options_of(SATIN_PREVIEW);
@@ -195,6 +220,7 @@ int main(void) {
         cmocka_unit_test(levels_that_take_too_long_to_search_do_not_pay),
         cmocka_unit_test(rounds_become_finer_until_they_end),
         cmocka_unit_test(the_last_records_are_half_a_pixel_wide),
+        cmocka_unit_test(records_are_found_where_they_are_read),
         cmocka_unit_test(no_record_is_read_wider_than_it_may_be),
         cmocka_unit_test(adaptive_caching_compares_a_bounded_number),
         cmocka_unit_test(a_view_whose_pixels_are_covered_is_left),
