@@ -155,7 +155,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     if (source == READ_ENTRY && diffuse)
         return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), limits->lobes), E);
     if (source == READ_ENTRY && rgb_black(E)) return E;
-    const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, other, LOBE_LOOKUPS);
+    const float chance = source != READ_ENTRY ? 1.0f : lookup_probability(E, other, LOBE_LOOKUPS);
     if (!(other.u < chance)) return rgb_grey(0.0f);
     const struct photon_reflection at = caustic_reflection(point, limits);
     const rgb L = rgb_scale(reflect_covering(maps, p, ng, &at, &estimated), 1.0f / chance);
