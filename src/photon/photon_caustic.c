@@ -3,7 +3,8 @@
 // density estimate at the point where that does not describe it. What a lobe reflects also depends
 // on the directions of light: those of all photons of the estimate where the eye sees the point,
 // those of a few photons at the hit of a gather ray. Lookups that would add little are made with a
-// smaller probability.
+// smaller probability; but not those of sparse light where the eye sees it: the nearest entry says
+// little of it, and the pixels of the few lookups would be dots.
 #include "photon/photon_cover.h"
 
 // Limit of smoothed irradiance over that estimated at the point, and of its inverse.

@@ -97,6 +97,35 @@ static void density_estimates_keep_the_power(void **state) {
     test_scene_free(&t);
 }
 
+// As most pixels would be without it, the others would be dots.
+static void sparse_light_is_in_every_pixel(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t white = test_diffuse(&t, 1.0f, 1.0f, 1.0f);
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), white);
+    test_scene_finish(&t);
+    struct photon_maps maps;
+    photon_density_build(&t, 100, uniform, &maps);
+    const vec3 up = v3(0, 0, 1);
+    const struct frame frame = frame_from_normal(up);
+    const struct photon_caustic_limits diffuse = {BRDF_DIFFUSE, INFINITY, -1};
+    const struct photon_other_light bright = {100.0f, 0.999f};
+    int lit = 0;
+    for (uint32_t i = 0; i < 256; i++) {
+        const vec2 u = sample_sobol2(i, 1);
+        const struct shading_point at = photon_case_point(v3(u.x - 0.5f, u.y - 0.5f, 0), &frame,
+                                                          &t.material[white].front.base, up);
+        const rgb L = photon_caustic(&maps, &t.scene, &at, &diffuse, PHOTON_ALONE);
+        lit += L.g > 0.0f;
+        assert_true(photon_caustic(&maps, &t.scene, &at, &diffuse, bright).g == L.g);
+    }
+    assert_true(lit > 200);
+    photon_irradiance_free(&maps.caustic_irradiance);
+    photon_map_free(&maps.caustic);
+    test_scene_free(&t);
+}
+
 // On a narrow floor that a thin wall divides: on the right of the wall, x > WALL, where half of the
 // photons are within a strip beside it, and on the left.
 #define WALL 0.1f
@@ -202,6 +231,7 @@ static void gaps_keep_the_power(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(density_estimates_keep_the_power),
+                                       cmocka_unit_test(sparse_light_is_in_every_pixel),
                                        cmocka_unit_test(walls_and_edges_keep_the_power),
                                        cmocka_unit_test(gaps_keep_the_power)};
     return cmocka_run_group_tests(tests, NULL, NULL);
