@@ -90,6 +90,10 @@ static const struct {
 } not_described[] = {
     {"satinckp", "a checkpoint, with which `satin render --checkpoint FILE --resume` goes on"},
     {"\x89PNG", "a PNG picture"},
+    {"\xff\xd8\xff", "a JPEG picture"},
+    {"#?RADIANCE", "a Radiance picture"},
+    {"II*", "a TIFF picture"},
+    {"MM", "a TIFF picture"},
 };
 
 // Says what the file is if it is one that is not described.

@@ -5,8 +5,7 @@
 // those close by suffice: a point that has more weight of records than PLENTY reads them at a
 // smaller accuracy a, by which it has that weight, but at no less than CLOSEST times a. And with a
 // time limit that ends before records overlap, their discs would show: a point that has less
-// weight by position than THIN reads records at a larger a, but at no more than CACHE_WIDER times
-// a.
+// weight by position than THIN reads records at a larger a, but at no more than CACHE_WIDER times.
 #include "cache/cache_records.h"
 
 #include <math.h>

@@ -119,6 +119,7 @@ bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 
 // The largest factor of an accuracy by which points near few records read them. Measured in
 // docs/experiments/record-placement.md.
 #define CACHE_WIDER 1.5f
+
 // A record's number of rays over that of the options, in (0, 1]: 1 if it has more, as those that
 // were gathered again, or if the options ask for a noise, by which numbers of rays are chosen.
 float cache_rays_fraction(const struct cache *cache, enum cache_kind kind, size_t record);

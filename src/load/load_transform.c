@@ -142,12 +142,19 @@ satin_status load_transform(struct log log, const struct xml_node *node, struct 
 
 static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
 
+// In double precision, as squares of large and small lengths are not floats.
+static double dot_columns(const struct mat4 *m, int i, int j) {
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) sum += (double)m->m[k][i] * (double)m->m[k][j];
+    return sum;
+}
+
 bool load_transform_similar(const struct mat4 *m) {
-    vec3 a = column(m, 0), b = column(m, 1), c = column(m, 2);
-    float l2 = v3_len2(a), tolerance = 1e-3f * l2;
-    return fabsf(v3_len2(b) - l2) <= tolerance && fabsf(v3_len2(c) - l2) <= tolerance &&
-           fabsf(v3_dot(a, b)) <= tolerance && fabsf(v3_dot(b, c)) <= tolerance &&
-           fabsf(v3_dot(c, a)) <= tolerance;
+    const double l2 = dot_columns(m, 0, 0), tolerance = 1e-3 * l2;
+    return fabs(dot_columns(m, 1, 1) - l2) <= tolerance &&
+           fabs(dot_columns(m, 2, 2) - l2) <= tolerance &&
+           fabs(dot_columns(m, 0, 1)) <= tolerance && fabs(dot_columns(m, 1, 2)) <= tolerance &&
+           fabs(dot_columns(m, 2, 0)) <= tolerance;
 }
 
 struct mat4 load_transform_unstretched(const struct mat4 *m) {

@@ -275,6 +275,8 @@ static const struct load_refusal load_refusals[] = {
      "scene.xml:3:21: latitude is -90.5, but must be -90 to 90"},
     {SCENE_TEXT("<integrator type='path'><integer name='max_dept' value='3'/></integrator>"),
      "scene.xml:3:25: integrator 'path' has no parameter 'max_dept' (did you mean 'max_depth'?)"},
+    {SHAPE("<float name='radius' value='1e25'/>"),
+     "scene.xml:3:1: shape 'sphere': it is too small or too large"},
     {SHAPE("<emitter type='directionalarea'/>"),
      "scene.xml:3:1: shape 'sphere': a directionalarea emitter needs a rectangle or a disk"},
     {SCENE_TEXT("<shape type='zzzzzzzzz'/>"),
