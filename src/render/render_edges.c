@@ -366,9 +366,9 @@ void render_edges_find(struct surface_edges *e) {
     render_pixels_find(&e->list, e->r, is_edge, e);
 }
 
-bool render_edges_make(struct surface_edges *e, struct render *r, float alike, bool *failed) {
+bool render_edges_make(struct surface_edges *e, struct render *r, bool *failed) {
     const size_t pixels = render_pixel_count(r->image);
-    *e = (struct surface_edges){.r = r, .alike = alike};
+    *e = (struct surface_edges){.r = r, .alike = EDGE_ALIKE};
     *failed = false;
     if (!render_edges_on(&r->options) || r->image->taken < pixels) return false;
     parallel_begin_part(r->pool, "edges");
@@ -383,25 +383,12 @@ bool render_edges_make(struct surface_edges *e, struct render *r, float alike, b
     return !*failed;
 }
 
-// Keeps a fraction of the edges, evenly.
-static void thin_edges(struct pixel_list *list, double fraction) {
-    size_t kept = 0;
-    for (size_t i = 0; i < list->count; i++)
-        if (floor(fraction * (double)(i + 1)) > floor(fraction * (double)i))
-            list->pixel[kept++] = list->pixel[i];
-    list->count = kept;
-}
-
 bool render_edges(struct render *r) {
-    const bool timed = r->options.time > 0.0;
-    const double fraction = render_edges_fraction(r);
     struct surface_edges e;
     bool failed;
-    if (!(fraction > 0.0)) return true;
-    if (!render_edges_make(&e, r, timed ? r->image->edge_alike : EDGE_ALIKE, &failed))
-        return !failed;
-    if (timed) e.ray_shift = r->image->edge_ray_shift;
-    if (fraction < 1.0) thin_edges(&e.list, fraction);
+    if (!render_edges_have_time(r)) return true;
+    if (!render_edges_make(&e, r, &failed)) return !failed;
+    render_edges_fit(&e);
     parallel_for_all(r->pool, e.list.count, EDGES_CHUNK, render_edges_change, &e);
     apply_changes(&e);
     stats_set(&r->stats, "image.edge_pixels", (double)e.list.count);

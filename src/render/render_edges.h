@@ -32,16 +32,18 @@ struct surface_edges {
     float alike;    // by how much surfaces differ at most if there is no edge between them
 };
 
-// Finds the edges of the image, where surfaces differ by more than `alike`. False if it is not to
-// have any and, with *failed, if there is no memory.
-bool render_edges_make(struct surface_edges *e, struct render *r, float alike, bool *failed);
+// Finds the edges of the image. False if it is not to have any and, with *failed, if there is no
+// memory.
+bool render_edges_make(struct surface_edges *e, struct render *r, bool *failed);
 void render_edges_destroy(struct surface_edges *e);
 // Finds them again, by e->alike.
 void render_edges_find(struct surface_edges *e);
 // The number of rays of a pixel with so many samples.
 uint32_t render_edge_rays(const struct surface_edges *e, double samples);
-// The fraction of the edges for which a time limit leaves time, after render_edges_plan; 1 without.
-double render_edges_fraction(const struct render *r);
+// Whether there is no time limit, or it may leave time for edges, after render_edges_plan.
+bool render_edges_have_time(const struct render *r);
+// Leaves out rays and edges for which it has no time.
+void render_edges_fit(struct surface_edges *e);
 // Finds the changes of edges [begin, end) of the list: a parallel_fn.
 void render_edges_change(void *ctx, size_t begin, size_t end, int worker);
 

@@ -23,11 +23,6 @@ static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) render_edges_change(ctx, i * step, i * step + 1, worker);
 }
 
-// The time of an edge: of its regression, and of each of its rays.
-struct surface_seconds {
-    double fixed, ray;
-};
-
 // The mean number of rays of an edge when its pixel has `growth` times the samples.
 static double mean_edge_rays(const struct surface_edges *e, double growth) {
     double sum = 0.0;
@@ -60,15 +55,19 @@ static double edges_seconds(const struct surface_edges *e, struct surface_second
     return (double)e->list.count * (time.fixed + time.ray * mean_edge_rays(e, growth));
 }
 
-// The time that a limit leaves to edges.
-static double seconds_for_edges(const struct surface_edges *e, double fraction) {
-    return fmin(fraction * e->r->options.time, render_budget_left(e->r));
-}
-
-// Lets surfaces differ so much before there is an edge that the edges fit, if that is enough.
-static double leave_out_alike(struct surface_edges *e, struct surface_seconds time, double growth) {
+// Leaves out what does not fit into `left` seconds: rays first, as edges with few of them are
+// better than none; then edges of surfaces that differ little. Returns the seconds of the others.
+static double choose_edges(struct surface_edges *e, struct surface_seconds time, double growth,
+                           double left) {
+    const double limit = e->r->options.time;
+    const double most = fmin(EDGES_FRACTION * limit, left),
+                 longest = fmin(EDGES_LONGEST * limit, left);
+    e->ray_shift = 0;
     double seconds = edges_seconds(e, time, growth);
-    while (seconds > seconds_for_edges(e, EDGES_LONGEST) && e->alike < ALIKE_MOST) {
+    for (; seconds > most && e->ray_shift < RAY_SHIFT_MOST;
+         seconds = edges_seconds(e, time, growth))
+        e->ray_shift++;
+    while (seconds > longest && e->alike < ALIKE_MOST) {
         e->alike *= 2.0f;
         render_edges_find(e);
         seconds = edges_seconds(e, time, growth);
@@ -82,29 +81,41 @@ void render_edges_plan(struct render *r) {
     bool failed;
     if (!(r->options.time > 0.0) || (double)image->taken < PLAN_AGAIN * image->edges_planned)
         return;
-    image->edges_all = 0.0;
+    image->edge_time = (struct surface_seconds){0};
     image->edge_seconds = 0.0;
     image->edges_planned = image->taken;
-    if (!render_edges_make(&e, r, EDGE_ALIKE, &failed)) return;
+    if (!render_edges_make(&e, r, &failed)) return;
     // Up to twice as many samples will be there at the next plan, or at the end.
     const double more = fmax(render_time_left(r), 0.0) / image->sample_seconds,
                  growth = fmin(1.0 + more / (double)image->taken, PLAN_AGAIN);
-    const struct surface_seconds time =
-        e.list.count ? measure_edges(&e) : (struct surface_seconds){0};
-    while (edges_seconds(&e, time, growth) > seconds_for_edges(&e, EDGES_FRACTION) &&
-           e.ray_shift < RAY_SHIFT_MOST)
-        e.ray_shift++;
-    const double seconds = leave_out_alike(&e, time, growth),
-                 most = fmax(seconds_for_edges(&e, EDGES_LONGEST), 0.0);
-    image->edges_all = seconds;
-    image->edge_alike = e.alike;
-    image->edge_ray_shift = e.ray_shift;
+    if (e.list.count) image->edge_time = measure_edges(&e);
+    const double seconds = choose_edges(&e, image->edge_time, growth, render_budget_left(r)),
+                 most = fmax(fmin(EDGES_LONGEST * r->options.time, render_budget_left(r)), 0.0);
     image->edge_seconds = most < EDGES_LEAST * seconds ? 0.0 : fmin(seconds, most);
     render_edges_destroy(&e);
 }
 
-double render_edges_fraction(const struct render *r) {
-    const double all = r->image->edges_all, left = render_budget_for_edges(r);
-    if (!(r->options.time > 0.0)) return 1.0;
-    return all > 0.0 && left > EDGES_LEAST * all ? fmin(left / all, 1.0) : 0.0;
+// Keeps a fraction of the edges, evenly.
+static void thin_edges(struct pixel_list *list, double fraction) {
+    size_t kept = 0;
+    for (size_t i = 0; i < list->count; i++)
+        if (floor(fraction * (double)(i + 1)) > floor(fraction * (double)i))
+            list->pixel[kept++] = list->pixel[i];
+    list->count = kept;
+}
+
+bool render_edges_have_time(const struct render *r) {
+    const struct surface_seconds *time = &r->image->edge_time;
+    if (!(r->options.time > 0.0)) return true;
+    return time->fixed + time->ray > 0.0 && render_budget_for_edges(r) > 0.0;
+}
+
+void render_edges_fit(struct surface_edges *e) {
+    const double left = render_budget_for_edges(e->r);
+    if (!(e->r->options.time > 0.0)) return;
+    const double seconds = choose_edges(e, e->r->image->edge_time, 1.0, left);
+    if (left < EDGES_LEAST * seconds)
+        e->list.count = 0;
+    else if (left < seconds)
+        thin_edges(&e->list, left / seconds);
 }

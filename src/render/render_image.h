@@ -150,6 +150,11 @@ enum image_state {
     IMAGE_SAMPLING    // more samples are being taken
 };
 
+// The time of an edge: of its regression, and of each of its rays.
+struct surface_seconds {
+    double fixed, ray;
+};
+
 struct render_image {
     int width, height;
     struct image_pixel *pixel;
@@ -170,17 +175,15 @@ struct render_image {
     struct shade_counts counts;   // of all samples
     atomic_bool progressed;       // a tile had samples and was not stopped since this was reset
     atomic_bool unwritten;        // the state has changed since it was written or restored
-    double edges_all;             // seconds of all edges as a time limit allows them; 0: not known
-    int edge_ray_shift;           // their numbers of rays are divided by 1 << this for it
-    float edge_alike;             // how much surfaces differ at most where there is none, for it
-    double edge_seconds;          // that they will take, or are expected to before all samples
-    uint64_t edges_planned;       // `taken` when these were found; 0: never
-    bool noise_fits;              // whether a time limit allows the filter of noise
-    double unsampled;             // fraction of the pixels for whose first one a limit is too short
-    uint64_t rims_taken;          // `taken` when rims were sampled last; 0: never
-    bool rare_emission;           // whether many pixels had emission by chance then
-    int coarsest;                 // pixels between the first samples, a power of two
-    struct satin_film *film;      // the film that is made from the image
+    struct surface_seconds edge_time;  // with a time limit; 0: not known
+    double edge_seconds;      // that edges will take, or are expected to before all samples
+    uint64_t edges_planned;   // `taken` when these were found; 0: never
+    bool noise_fits;          // whether a time limit allows the filter of noise
+    double unsampled;         // fraction of the pixels for whose first one a limit is too short
+    uint64_t rims_taken;      // `taken` when rims were sampled last; 0: never
+    bool rare_emission;       // whether many pixels had emission by chance then
+    int coarsest;             // pixels between the first samples, a power of two
+    struct satin_film *film;  // the film that is made from the image
     // For each tile, who uses its pixels at the moment; NULL: there are no snapshots, for which
     // alone it is needed (render_snapshot.c).
     _Atomic int *tile_user;
