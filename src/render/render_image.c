@@ -235,15 +235,19 @@ static void end_pass(struct render *r) {
     plan_samples(r);
 }
 
+// The first rims are not ended by a time limit, as they would be sampled after it.
 static satin_status take_rims(struct render *r) {
     const struct render_image *image = r->image;
     const satin_options *o = &r->options;
     const uint64_t equal =
         (uint64_t)render_budget_equal_samples(o) * (uint64_t)image->width * (uint64_t)image->height;
+    if (image->taken < equal || image->rims_taken >= image->taken || !render_has_rims(r))
+        return SATIN_OK;
     bool whole = true;
-    satin_status status = SATIN_OK;
-    if (image->taken >= equal && image->rims_taken < image->taken && render_has_rims(r))
-        status = render_rims(r, false, &whole);
+    const bool lifts = render_budget_late_rims(r) > 0.0 && !render_has_checkpoint(r);
+    const double limit = lifts ? render_limit_lift(r) : 0.0;
+    const satin_status status = render_rims(r, false, &whole);
+    if (lifts) render_limit_restore(r, limit);
     return status == SATIN_OK && !whole ? SATIN_CANCELLED : status;
 }
 
