@@ -91,9 +91,13 @@ static const struct {
     {"satinckp", "a checkpoint, with which `satin render --checkpoint FILE --resume` goes on"},
     {"\x89PNG", "a PNG picture"},
     {"\xff\xd8\xff", "a JPEG picture"},
-    {"#?RADIANCE", "a Radiance picture"},
+    {"#?", "a Radiance picture"},
     {"II*", "a TIFF picture"},
+    {"II+", "a TIFF picture"},
     {"MM", "a TIFF picture"},
+    {"BM", "a BMP picture"},
+    {"GIF8", "a GIF picture"},
+    {"RIFF", "a WebP picture"},
 };
 
 // Says what the file is if it is one that is not described.
@@ -139,6 +143,7 @@ static int read_info_arguments(struct app_args *args, struct info_request *r) {
 }
 
 static satin_status describe_file(const struct info_request *r) {
+    if (refuse_undescribed(r->path)) return SATIN_ERROR_INPUT;
     const bool image = starts_as_image(r->path);
     if (image || app_info_starts(r->path, CACHE_FILE_MAGIC)) {
         if (!r->sensor && !r->defines)
@@ -146,7 +151,6 @@ static satin_status describe_file(const struct info_request *r) {
         return log_fail((struct log){app_log_file, NULL}, SATIN_ERROR_INPUT,
                         "%s: it is no scene, for which alone --sensor and -D are", r->path);
     }
-    if (refuse_undescribed(r->path)) return SATIN_ERROR_INPUT;
     const bool stream = strncmp(r->path, "/dev/", 5) == 0;
     const satin_scene_request request = {.defines = r->define,
                                          .define_count = r->defines,

@@ -230,11 +230,12 @@ static satin_status build_sphere(struct load_state *loader, const struct params 
     m = mat4_mul(&load_param(p, "to_world")->m, &m);
     shape->kind = SHAPE_SPHERE;
     if (r == 0.0f) return load_refuse(loader, p, "its radius is 0");
-    if (!load_transform_similar(&m))
+    if (!load_transform_similar(&load_param(p, "to_world")->m))
         return load_refuse(loader, p, "to_world stretches or shears it, but it must stay round");
-    satin_status status = transform_shape(loader, p, shape, &m);
-    if (status != SATIN_OK) return status;
-    if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->centre))
+    if (mat4_det3(&load_param(p, "to_world")->m) == 0.0)
+        return load_refuse(loader, p, "to_world is singular");
+    if (!scene_shape_transform(shape, &m) || !(shape->radius > 0.0f) || !isfinite(shape->radius) ||
+        !v3_finite(shape->centre))
         return load_refuse(loader, p, "it is too small or too large");
     return SATIN_OK;
 }
