@@ -134,7 +134,8 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = rims->begin + begin; i < rims->begin + end; i++) {
         const uint32_t pixel = rims->list.pixel[i];
         struct rim *rim = &rims->rim[i];
-        for (uint32_t k = rims->r->image->pixel[pixel].emission.rim_rays; k < rims->most; k++) {
+        const uint32_t before = rims->r->image->pixel[pixel].emission.rim_rays;
+        for (uint32_t k = rim->rays > before ? rim->rays : before; k < rims->most; k++) {
             float weight;
             const rgb Le = trace_ray(rims, &rims->wide, pixel, RIM_RAYS_BEGIN + k, &weight);
             if (!rgb_finite(Le)) continue;
@@ -144,6 +145,7 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
             rim->Y += drawn * Y;
             rim->squares += drawn * sqrf(Y);
         }
+        rim->rays = rims->most;
     }
 }
 
@@ -203,7 +205,9 @@ static bool trace_from(struct rims *rims, size_t begin, satin_status *status) {
         if (!grown) return false;
         rims->rim = grown;
         rims->begin = begin;
-        memset(rims->rim + begin, 0, (end - begin) * sizeof *rims->rim);
+        if (end > rims->made)
+            memset(rims->rim + rims->made, 0, (end - rims->made) * sizeof *rims->rim);
+        rims->made = end;
         if (!parallel_for_results(rims->r->pool, end - begin, RIMS_CHUNK, trace_rims, rims,
                                   &rims_results))
             return false;
@@ -229,44 +233,56 @@ static void add_rims(struct rims *rims) {
 
 // ---- All rays -----------------------------------------------------------------------------------
 
-static void time_rays(void *ctx, size_t begin, size_t end, int worker) {
-    const struct rims *rims = ctx;
-    const size_t step = rims->list.count / RIMS_TIMED + 1;
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        float weight;
-        (void)trace_ray(rims, &rims->wide, rims->list.pixel[i * step], RIM_RAYS_BEGIN, &weight);
-    }
-}
-
-// The time of one core for one ray at each rim, measured at some of them by rays that do not count.
-static double ray_seconds(struct rims *rims) {
-    struct parallel *pool = rims->r->pool;
-    const size_t step = rims->list.count / RIMS_TIMED + 1, timed = rims->list.count / step;
-    const double before = parallel_loop_seconds(pool);
-    parallel_for_all(pool, timed, RIMS_CHUNK, time_rays, rims);
-    return render_agreed(rims->r, parallel_loop_seconds(pool) - before) * (double)step;
-}
-
-// Likewise, of all pixels at rims.
-static bool sample_rims(struct rims *rims, satin_status *status) {
-    struct render *r = rims->r;
-    const double pixels = (double)r->image->width * (double)r->image->height;
-    if (rims->list.count == 0) return true;
-    const struct render_rim_rays known = {
-        .fraction = (double)rims->list.count / pixels,
-        .seconds = r->options.time > 0.0 ? ray_seconds(rims) : 0.0,
-        .first = rims->first,
-        .late = rims->late};
-    rims->most = render_budget_rim_rays(&r->options, render_core_seconds(r), &known);
+// Takes the rays of the pixels at rims up to the number of rays, of those around them where they
+// find light, and of those that are near enough of what was found by chance.
+static bool trace_stage(struct rims *rims, satin_status *status) {
+    struct render_image *image = rims->r->image;
     if (!trace_from(rims, 0, status)) return false;
     const size_t found = rims->list.count;
-    if ((double)render_highlights_find(rims) > RARE_FRACTION * pixels)
-        r->image->rare_emission = true;
+    if ((double)render_highlights_find(rims) > RARE_FRACTION * (double)render_pixel_count(image))
+        image->rare_emission = true;
     else
         render_highlights_append_near(rims);
     if (!trace_from(rims, found, status)) return false;
     if (rims->list.count > found) (void)render_highlights_find(rims);
+    return true;
+}
+
+// The number of rays that all stages have taken.
+static double rays_taken(const struct rims *rims) {
+    double taken = 0.0;
+    for (size_t i = 0; i < rims->list.count; i++) {
+        const uint32_t before = rims->r->image->pixel[rims->list.pixel[i]].emission.rim_rays;
+        if (rims->most > before) taken += (double)(rims->most - before);
+    }
+    return taken;
+}
+
+static uint32_t planned_rays(const struct rims *rims, double ray_seconds) {
+    const struct render *r = rims->r;
+    const double count = (double)rims->list.count;
+    const struct render_rim_rays known = {.fraction = count / (double)render_pixel_count(r->image),
+                                          .seconds = count * ray_seconds,
+                                          .first = rims->first,
+                                          .late = rims->late};
+    return render_budget_rim_rays(&r->options, render_core_seconds(r), &known);
+}
+
+// With a time limit, in stages of twice the rays: how many pixels are at rims, and how long their
+// rays take, shows as they are traced.
+static bool sample_rims(struct rims *rims, satin_status *status) {
+    struct render *r = rims->r;
+    if (rims->list.count == 0) return true;
+    const double before = parallel_loop_seconds(r->pool);
+    uint32_t planned = planned_rays(rims, 0.0);
+    for (uint32_t most = r->options.time > 0.0 ? 1 : planned; most <= planned; most *= 2) {
+        rims->most = most;
+        if (!trace_stage(rims, status)) return false;
+        const double seconds = render_agreed(r, parallel_loop_seconds(r->pool) - before),
+                     taken = rays_taken(rims);
+        if (taken > 0.0) r->progress.rim_ray_seconds = seconds / taken;
+        planned = planned_rays(rims, r->progress.rim_ray_seconds);
+    }
     add_rims(rims);
     return true;
 }

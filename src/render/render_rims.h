@@ -13,6 +13,7 @@ enum rim_known { RIM_FOUND = 1, RIM_VISITED = 2, RIM_BY_CHANCE = 4, RIM_NEAR = 8
 struct rim {
     rgb sum;  // weighted
     float weight, Y, squares;
+    uint32_t rays;  // of the pixel, with those before
 };
 
 struct rims {
@@ -25,6 +26,7 @@ struct rims {
     float *emission;    // luminance of each pixel's mean
     struct pixel_list list;
     struct rim *rim;  // of those pixels
+    size_t made;      // number of them
     size_t begin;     // index of the first pixel of a loop
     uint8_t *known;   // of each pixel of the image: enum rim_known
     // The hits that samples and first rays of a pixel at a rim are expected to have, and the

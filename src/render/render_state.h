@@ -74,8 +74,9 @@ struct render_progress {
     double last_report;            // wall clock at the last report to the caller
     struct render_forecast forecast;
     // Seconds of one core for writing a pixel of the film, for filtering its noise, and for a ray
-    // for emission alone; 0: there is no time limit, or they are not known.
-    double write_pixel_seconds, noise_pixel_seconds, rim_pixel_seconds;
+    // for emission alone, in all pixels and at rims; 0: there is no time limit, or they are not
+    // known.
+    double write_pixel_seconds, noise_pixel_seconds, rim_pixel_seconds, rim_ray_seconds;
 };
 
 // The first pass: photons, and the visibility of the lights.
