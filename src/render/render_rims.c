@@ -275,9 +275,11 @@ static bool sample_rims(struct rims *rims, satin_status *status) {
     if (rims->list.count == 0) return true;
     const double before = parallel_loop_seconds(r->pool);
     uint32_t planned = planned_rays(rims, 0.0);
-    for (uint32_t most = r->options.time > 0.0 ? 1 : planned; most <= planned; most *= 2) {
+    const bool timed = r->options.time > 0.0;
+    for (uint32_t most = timed ? 1 : planned; most <= planned; most *= 2) {
         rims->most = most;
         if (!trace_stage(rims, status)) return false;
+        if (!timed) break;
         const double seconds = render_agreed(r, parallel_loop_seconds(r->pool) - before),
                      taken = rays_taken(rims);
         if (taken > 0.0) r->progress.rim_ray_seconds = seconds / taken;
