@@ -16,7 +16,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files have the byte order of memory");
 
-enum { CHECKPOINT_VERSION = 13 };
+enum { CHECKPOINT_VERSION = 14 };
 static const char checkpoint_magic[8] = {'s', 'a', 't', 'i', 'n', 'c', 'k', 'p'};
 
 struct file_head {

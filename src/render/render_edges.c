@@ -287,7 +287,7 @@ static void take_filter_back(const struct surface_edges *e, size_t at, const str
 static void change_light(const struct surface_edges *e, size_t at, const struct regression *g,
                          const struct shade_surface *met, const struct shade_surface *shown,
                          struct pixel_change *out) {
-    float own[REGRESSION_VALUES], dx[REGRESSORS], change[REGRESSION_VALUES];
+    float own[REGRESSION_VALUES], dx[REGRESSORS], around[REGRESSORS], change[REGRESSION_VALUES];
     put_light(e->r->image, at, own);
     take_filter_back(e, at, g, met, own, out);
     put_surface(shown, dx);
@@ -301,6 +301,10 @@ static void change_light(const struct surface_edges *e, size_t at, const struct 
     for (int k = 0; k < REGRESSION_LAYERS; k++)
         out->light[k] =
             rgb_add(out->light[k], rgb_make(change[3 * k], change[3 * k + 1], change[3 * k + 2]));
+    for (int c = 0; c < REGRESSION_VALUES; c++) own[c] += change[c];
+    put_surface(met, around);
+    for (int k = 0; k < REGRESSORS; k++) dx[k] += around[k] - g->x_mean[k];
+    render_edges_quieten(e->r->image, at, g, dx, own, out);
 }
 
 // Finds the change of a pixel by its rays.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to render/: edges of surfaces in the image (render_edges.c), and which of them a time
-// limit allows (render_edges_plan.c).
+// Private to render/: edges of surfaces in the image (render_edges.c), their noise
+// (render_edges_noise.c), and which of them a time limit allows (render_edges_plan.c).
 #ifndef RENDER_EDGES_H
 #define RENDER_EDGES_H
 
@@ -44,6 +44,11 @@ uint32_t render_edge_rays(const struct surface_edges *e, double samples);
 bool render_edges_have_time(const struct render *r);
 // Leaves out rays and edges for which it has no time.
 void render_edges_fit(struct surface_edges *e);
+// Adds to `change` what takes noise from the light of a pixel, which includes that change. dx: what
+// it shows, less the means of the regressors.
+void render_edges_quieten(const struct render_image *image, size_t at, const struct regression *g,
+                          const float dx[REGRESSORS], const float light[REGRESSION_VALUES],
+                          struct pixel_change *change);
 // Finds the changes of edges [begin, end) of the list: a parallel_fn.
 void render_edges_change(void *ctx, size_t begin, size_t end, int worker);
 

@@ -63,8 +63,9 @@ enum noisy_layer { NOISY_DIRECT, NOISY_GLOSSY, NOISY_LAYERS };
 // Weighted sums over the samples of a pixel, and over those for which x + y + index is odd: of one
 // sample per pixel, neighbours have different halves.
 struct image_noisy {
-    rgb glossy;  // of all samples; that of direct light is the layer
-    rgb odd[NOISY_LAYERS];
+    rgb glossy;                  // sampled gloss of all samples
+    rgb odd[SHADE_EMISSION];     // layers of light before that
+    rgb odd_glossy;              // sampled
     float weight;                // of the odd ones
     float sampled, odd_sampled;  // weight of those with sampled gloss, of all and of the odd ones
     struct shade_surface shown;  // weighted sum over all; `alpha` is not used

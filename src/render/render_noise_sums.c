@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sums of samples by which the filter of noise (render_noise_filter.c) compares pixels.
+// The sums of samples by which the filter of noise (render_noise_filter.c) compares pixels, and
+// that show the noise of edges (render_edges_noise.c).
 #include <stdlib.h>
 
 #include "render/render_image.h"
@@ -19,8 +20,8 @@ void render_noise_add(struct image_noisy *sum, int parity, const struct shade_sa
     if (s->sampled_glossy) sum->sampled += s->weight;
     if (!(parity & 1)) return;
     if (s->sampled_glossy) sum->odd_sampled += s->weight;
-    rgb *odd = sum->odd;
-    odd[NOISY_DIRECT] = rgb_mad(odd[NOISY_DIRECT], s->layer[SHADE_DIRECT], s->weight);
-    odd[NOISY_GLOSSY] = rgb_mad(odd[NOISY_GLOSSY], s->uncached_glossy, s->weight);
+    for (int k = 0; k < SHADE_EMISSION; k++)
+        sum->odd[k] = rgb_mad(sum->odd[k], s->layer[k], s->weight);
+    sum->odd_glossy = rgb_mad(sum->odd_glossy, s->uncached_glossy, s->weight);
     sum->weight += s->weight;
 }

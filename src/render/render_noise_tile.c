@@ -42,7 +42,7 @@ static void read_pixel(struct noise_tile *t, size_t i, const struct render_image
     const rgb albedo = mean_albedo(noisy, scale), *n = &noisy->shown.normal;
     const float odd_weight[NOISY_LAYERS] = {noisy->weight, noisy->odd_sampled};
     for (enum noisy_layer layer = 0; layer < NOISY_LAYERS; layer++) {
-        const rgb odd = noisy->odd[layer];
+        const rgb odd = layer == NOISY_DIRECT ? noisy->odd[SHADE_DIRECT] : noisy->odd_glossy;
         const float all = weight_of(image, at, layer);
         struct half_plane *even_half = &t->half[first], *odd_half = &t->half[1 - first];
         even_half->weight[layer][i] = maxf(all - odd_weight[layer], 0.0f);

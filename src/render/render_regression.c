@@ -126,10 +126,21 @@ WIDE_INLINE void solve(struct regression *g) {
     }
 }
 
+WIDE_INLINE float sum_channels(const float *value, int layer) {
+    return value[3 * layer] + value[3 * layer + 1] + value[3 * layer + 2];
+}
+
+// The mean square of y - reliance * p, of values y and predictions p, by the means of y^2, of y p
+// and of p^2.
+WIDE_INLINE float squared_rest(float y2, float yp, float p2, float reliance) {
+    return maxf(y2 + reliance * (reliance * p2 - 2.0f * yp), 0.0f);
+}
+
 // Sets how far the regression of each layer counts, from 0 to 1: by its variance that the
-// regressors explain, over what they would explain if it were noise.
+// regressors explain, over what they would explain if it were noise; and what that leaves.
 WIDE_INLINE void find_reliance(struct regression *g) {
-    float squares = 0.0f, explained[REGRESSION_VALUES] = {0.0f}, left[REGRESSION_VALUES];
+    float squares = 0.0f, explained[REGRESSION_VALUES] = {0.0f}, all[REGRESSION_VALUES],
+          common[REGRESSION_VALUES] = {0.0f};  // with what is predicted
     eight first = {0.0f};
     four last = {0.0f};
     for (int i = 0; i < g->count; i++) {
@@ -138,23 +149,27 @@ WIDE_INLINE void find_reliance(struct regression *g) {
         first += part * (*as_eight(g->y[i]) * *as_eight(g->y[i]));
         last += part * (*as_four(&g->y[i][8]) * *as_four(&g->y[i][8]));
     }
-    *as_eight(left) = first;
-    *as_four(&left[8]) = last;
+    *as_eight(all) = first;
+    *as_four(&all[8]) = last;
     for (int k = 0; k < REGRESSORS; k++) {
         float predicted[REGRESSION_VALUES] = {0.0f};
         for (int l = 0; l < REGRESSORS; l++) subtract_row(predicted, g->slope[l], -g->a[k][l]);
         for (int c = 0; c < REGRESSION_VALUES; c++) {
             explained[c] += g->slope[k][c] * predicted[c];
-            left[c] += g->slope[k][c] * (predicted[c] - 2.0f * g->b[k][c]);
+            common[c] += g->slope[k][c] * g->b[k][c];
         }
     }
     // The number of pixels that would be as many if all had equal weights.
     const float n = maxf(sqrf(g->sum) / squares, REGRESSORS + 2.0f);
     for (int k = 0; k < REGRESSION_LAYERS; k++) {
-        const float whole = explained[3 * k] + explained[3 * k + 1] + explained[3 * k + 2],
-                    noise = maxf(left[3 * k] + left[3 * k + 1] + left[3 * k + 2], 0.0f) *
-                            REGRESSORS / (n - REGRESSORS - 1.0f);
-        g->reliance[k] = whole > 0.0f ? maxf(1.0f - EXPLAINED_LEAST * noise / whole, 0.0f) : 0.0f;
+        const float whole = sum_channels(explained, k),
+                    left = squared_rest(sum_channels(all, k), sum_channels(common, k), whole, 1.0f),
+                    noise = left * REGRESSORS / (n - REGRESSORS - 1.0f),
+                    reliance =
+                        whole > 0.0f ? maxf(1.0f - EXPLAINED_LEAST * noise / whole, 0.0f) : 0.0f;
+        g->reliance[k] = reliance;
+        g->residual[k] =
+            squared_rest(sum_channels(all, k), sum_channels(common, k), whole, reliance);
     }
 }
 

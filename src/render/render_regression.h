@@ -25,6 +25,8 @@ struct regression {
     float b[REGRESSORS][REGRESSION_VALUES];      // with the values
     float slope[REGRESSORS][REGRESSION_VALUES];  // of values by scaled regressors
     float reliance[REGRESSION_LAYERS];           // how far each layer's counts, from 0 to 1
+    // The mean squared difference of each layer from what that predicts, summed over channels.
+    float residual[REGRESSION_LAYERS];
 };
 
 // Fits REGRESSION_LEAST pixels or more, whose x and y it overwrites.
