@@ -5,7 +5,11 @@
 
 #include "render/render_edges.h"
 
-enum { EDGES_TIMED = 256 };  // edges that show how long one takes
+enum {
+    EDGES_TIMED = 512,  // edges that show how long one takes
+    EDGES_RUN = 32,  // of these in a row, as a single one finds nothing in the processor's caches
+    TIMED_SHIFT = 2  // numbers of rays are divided by 1 << this to show the time of a ray
+};
 
 // Where there is too little time for all edges, surfaces differ more before they are corrected, up
 // to this, at which half of them are left. Where that is too much, too, some edges are corrected.
@@ -16,11 +20,17 @@ static const double EDGES_FRACTION = 0.1, EDGES_LONGEST = 0.15, PLAN_AGAIN = 2.0
 // With a smaller fraction of the edges there are none.
 static const double EDGES_LEAST = 0.1;
 
-static size_t timed_step(const struct surface_edges *e) { return e->list.count / EDGES_TIMED + 1; }
+static size_t timed_edges(const struct surface_edges *e) {
+    return e->list.count < EDGES_TIMED ? e->list.count : EDGES_TIMED;
+}
 
 static void time_edges(void *ctx, size_t begin, size_t end, int worker) {
-    const size_t step = timed_step(ctx);
-    for (size_t i = begin; i < end; i++) render_edges_change(ctx, i * step, i * step + 1, worker);
+    const struct surface_edges *e = ctx;
+    const size_t runs = (timed_edges(e) - 1) / EDGES_RUN + 1, apart = e->list.count / runs;
+    for (size_t i = begin; i < end; i++) {
+        const size_t at = i / EDGES_RUN * apart + i % EDGES_RUN;
+        if (at < e->list.count) render_edges_change(ctx, at, at + 1, worker);
+    }
 }
 
 // The mean number of rays of an edge when its pixel has `growth` times the samples.
@@ -33,16 +43,16 @@ static double mean_edge_rays(const struct surface_edges *e, double growth) {
     return sum / (double)e->list.count;
 }
 
-// Measures some edges, whose changes are not applied, with the fewest rays and with all.
+// Measures some edges, whose changes are not applied, with the fewest rays and with more.
 static struct surface_seconds measure_edges(struct surface_edges *e) {
-    const size_t timed = (e->list.count - 1) / timed_step(e) + 1;
+    const size_t timed = timed_edges(e);
     double seconds[2], rays[2];
-    for (int all = 0; all < 2; all++) {
+    for (int more = 0; more < 2; more++) {
         const double before = parallel_loop_seconds(e->r->pool);
-        e->ray_shift = all ? 0 : RAY_SHIFT_MOST;
-        parallel_for_all(e->r->pool, timed, EDGES_CHUNK / 8, time_edges, e);
-        seconds[all] = render_loop_seconds(e->r, before) / (double)timed;
-        rays[all] = mean_edge_rays(e, 1.0);
+        e->ray_shift = more ? TIMED_SHIFT : RAY_SHIFT_MOST;
+        parallel_for_all(e->r->pool, timed, EDGES_RUN, time_edges, e);
+        seconds[more] = render_loop_seconds(e->r, before) / (double)timed;
+        rays[more] = mean_edge_rays(e, 1.0);
     }
     const double more = rays[1] - rays[0],
                  ray = more > 0.0 ? fmax(seconds[1] - seconds[0], 0.0) / more : 0.0;
